@@ -17,7 +17,7 @@ from theory.cells.friction import FrictionCell
 from theory.cells.friction_law import FrictionLaw
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
-from theory.parameters import ParameterError, RunError
+from theory.parameters import ParameterError
 from verification.cells.friction import cycle_end_velocity, stick_slip_cycle
 from verification.fronts.measure import measure_front
 from verification.fronts.status import FrontStatus
@@ -25,21 +25,34 @@ from verification.references.friction_events import _Law, run_events
 from verification.runs import friction_integration
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
+from verification.runs.integration import NotFiniteError, StandstillError
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers import friction
 from verification.steppers.friction_series import (
+    ARRIVAL,
     BEYOND,
     BINOMIALS,
+    CLOCK,
     DRAG,
     DUE,
+    END,
+    EVENT,
     FIRST,
+    JUMP,
     LAST_MAXIMUM,
     LAST_MINIMUM,
     LAST_TERM,
     MODE,
+    OWN,
     RELEASED,
+    REST,
+    SLIDING,
+    START,
     STEEPEST,
+    V_D,
+    W,
+    Y,
     _largest_bend,
     _polish,
     _seen,
@@ -167,6 +180,27 @@ def test_a_whole_number_as_the_end_is_the_same_run_and_compiles_nothing() -> Non
 @pytest.mark.parametrize("name", CASES)
 def test_every_event_is_that_of_scipy(name: str) -> None:
     assert_events_of_scipy(*CASES[name], steep=name in ("steep", "far"))
+
+
+@pytest.mark.parametrize(
+    ("changes", "v_d"),
+    [
+        ({"c": 0.05, "sites": 13}, 1.25),
+        ({"c": 1.0, "sites": 9}, 0.7),
+        ({"c": 0.3, "sites": 9, "ends": Ends.LITERAL}, 0.7),
+        ({"c": 0.05, "sites": 13, "law": FrictionLaw.STRIBECK}, 0.5),
+        ({"c": 0.02, "sites": 13, "law": FrictionLaw.COULOMB}, 0.5),
+        ({"c": 0.02, "sites": 13, "law": FrictionLaw.STRIBECK, "v_s": 0.02}, 0.5),
+    ],
+)
+def test_the_first_events_of_many_sites_are_those_of_scipy(
+    changes: dict[str, Any], v_d: float
+) -> None:
+    """Sites that keep their series and sites with new ones, side by side."""
+    chain = FrictionChain(v_d=v_d, **changes)
+    ours = assert_events_of_scipy(chain, random_start(chain.sites), 2.5, steep=False)
+    assert ours.counts["local_series"] > 0
+    assert ours.event_count > 4
 
 
 @pytest.mark.parametrize("name", ["cycle", "three", "strong", "reversals", "steep", "far"])
@@ -398,8 +432,31 @@ def test_what_cannot_be_run_is_refused() -> None:
             simulate(chain, start, 1.0)
     with pytest.raises(ParameterError, match="end time"):
         simulate(chain, np.zeros((2, 2)), -1.0)
-    with pytest.raises(RunError):
+    with pytest.raises(NotFiniteError):
         simulate(chain, np.array([[1e300, 0.0], [0.0, 0.0]]), 1.0)
+
+
+@pytest.mark.parametrize("v0", [1e-16, 1e-30])
+def test_a_series_that_is_shorter_than_time_can_be_counted_is_refused(v0: float) -> None:
+    """Friction rises within v₀ of the belt, and before is constant as under Coulomb's law."""
+    cell = FrictionCell(xi=0.0, mu_d=0.5, v_d=1.25, v0=v0)
+    # y = μ_d + 1.5 cos τ reaches the velocity of the belt at sin τ = -5/6.
+    run = FrictionIntegration(FrictionChain.of(cell, c=0.0, sites=1), np.array([[2.0], [0.0]]))
+    with pytest.raises(StandstillError, match="time step vanished"):
+        run.advance_to(10.0)
+    assert run.time == pytest.approx(math.pi + math.asin(5.0 / 6.0), abs=1e-6)
+    assert run.state[:, 0] == pytest.approx([0.5 + 1.5 * math.cos(run.time), 1.25], abs=1e-6)
+
+
+def test_a_site_that_can_neither_stick_nor_slip_ends_the_run() -> None:
+    """Friction is made to rise at the end of stick, so that a site is stopped as it is released."""
+    cell = FrictionCell(xi=0.0)
+    run = FrictionIntegration(FrictionChain.of(cell, c=0.0, sites=3),
+                              np.array([[0.9, 0.0, 0.2], [cell.v_d, 0.0, 0.0]]))  # fmt: skip
+    run._run.numbers[JUMP] = -0.5
+    with pytest.raises(StandstillError):
+        run.advance_to(1.0)
+    assert run.time < (cell.mu_st - 0.9) / cell.v_d
 
 
 def test_a_run_goes_to_the_end_that_is_given() -> None:
@@ -775,6 +832,35 @@ def test_a_site_at_the_velocity_of_the_belt_is_pulled_by_its_neighbours_too(
     assert run._run.mode[friction.MODE, 2] == (-sign if slips else 0.0)
 
 
+@friction_outer
+def widen(site: np.ndarray, numbers: np.ndarray, counters: np.ndarray) -> None:
+    friction._widen(site, numbers, counters)
+
+
+@pytest.mark.parametrize("row", [Y, W])
+@pytest.mark.parametrize("away", [1.5, -1.5])
+@pytest.mark.parametrize("moving", [(20,), (17,), (16, 23), (27,), (24, 29), (22, 23), (15, 33)])
+def test_a_window_contains_all_sites_within_its_margin_of_those_that_move(
+    row: int, away: float, moving: tuple[int, ...]
+) -> None:
+    """And is not closed; sites within the distance of rest, or outside of it, do not move."""
+    low, high, rest = 14, 34, 2.0**-30
+    for first, last in ((low, high), (4, high), (low, 40)):
+        run = friction.new_run(new_numbers(CELL, 0.1, 1e-9), law_of(CELL), np.zeros((2, 41)),
+                               np.full(41, 2.0), times=np.zeros(0), logged=0, order=12)  # fmt: skip
+        # Numbers of which all sums are exact.
+        run.numbers[[REST, SLIDING, V_D]] = rest, 0.5, 1.25
+        run.site[Y], run.site[W] = 0.5, -1.25
+        run.site[row, low:high] += np.sign(away) * rest
+        run.site[row, list(moving)] += away * rest
+        run.counters[[friction.LO, friction.HI]] = first, last
+        widen(run.site, run.numbers, run.counters)
+        margin = friction.MARGIN
+        beside = {m for n in moving for m in range(n - margin, n + margin + 1) if 1 <= m <= 41}
+        window = sorted(beside | set(range(first, last)))
+        assert run.counters[[friction.LO, friction.HI]].tolist() == [window[0], window[-1] + 1]
+
+
 def test_a_window_is_widened_alike_on_either_side() -> None:
     chain = FrictionChain(c=0.02, sites=61)
     run = FrictionIntegration(chain, excite(chain, [31]))
@@ -799,6 +885,11 @@ def test_the_sites_between_both_ends_of_the_window_are_counted_as_stepped(
     assert run.counts["site_steps"] == (high - low) * run.counts["steps"] > 0
 
 
+@friction_outer
+def ranges_around(run: friction.Run, due: int, radius: int) -> int:
+    return friction._ranges(run, due, radius)
+
+
 @pytest.mark.parametrize(
     ("due", "radius", "ranges"),
     [
@@ -817,10 +908,14 @@ def test_new_series_are_made_on_either_side_of_the_sites_that_are_due(
     run = friction.new_run(new_numbers(CELL, 0.1, 1e-9), law_of(CELL), np.zeros((2, 41)),
                            np.full(41, 2.0), times=np.zeros(0), logged=0, order=12)  # fmt: skip
     run.mode[DUE, : len(due)] = due
-    compiled: Any = friction._ranges
-    count = compiled.py_func(run, len(due), radius)
+    count = ranges_around(run, len(due), radius)
     assert list(zip(*run.mode[[FIRST, BEYOND], :count].tolist(), strict=True)) == ranges
     assert run.counters[friction.LOCAL] == sum(beyond - first for first, beyond in ranges)
+
+
+@friction_outer
+def reach(numbers: np.ndarray, order: int, change: float, h: float) -> int:
+    return friction._reach(numbers, order, change, h)
 
 
 @pytest.mark.parametrize("c", [1e-3, 0.05, 1.0, 20.0])
@@ -839,14 +934,12 @@ def test_new_series_are_made_as_far_as_the_truncation_is_not_negligible(
         return c * change * growth * c**d * time ** (2 * d + 2) / math.factorial(2 * d + 2)
 
     enough = [d for d in range(1, order + 1) if force(d) <= 0.01 * tolerance]
-    compiled: Any = friction._reach
-    assert compiled.py_func(numbers, order, change, time) == (enough[0] if enough else -1)
+    assert reach(numbers, order, change, time) == (enough[0] if enough else -1)
 
 
 def test_a_frame_in_which_the_truncation_would_overflow_is_ended() -> None:
-    compiled: Any = friction._reach
     for c, time in ((0.05, 1e3), (1e4, 1.0)):
-        assert compiled.py_func(new_numbers(CELL, c, 1e-10), 16, 1.0, time) == -1
+        assert reach(new_numbers(CELL, c, 1e-10), 16, 1.0, time) == -1
 
 
 @pytest.mark.parametrize("law", [FrictionLaw.EXPONENTIAL, FrictionLaw.STRIBECK])
@@ -874,6 +967,74 @@ def test_a_series_resolves_friction_if_the_term_beyond_is_below_the_tolerance(
     assert 10 < sum(found) < len(found) - 10
 
 
+@friction_outer
+def switch(run: friction.Run, n: int, time: float) -> None:
+    friction._switch(run, n, time)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(
+    ("mode", "part", "kind", "following", "released"),
+    [
+        (0, 1.0, ENDS, -1, True),
+        (1, 1 - 1e-6, BEGINS, 0, False),
+        (1, -1 + 1e-6, BEGINS, 0, False),
+        (1, 1 + 1e-6, REVERSES, -1, False),
+        # Slip against the force has only come to the velocity of the belt for an instant.
+        (1, -1 - 1e-6, None, 1, True),
+    ],
+)
+def test_the_mode_after_an_event_is_that_of_the_static_force(
+    side: int, mode: int, part: float, kind: int | None, *, following: int, released: bool
+) -> None:
+    """The static force is 2ξv_d + y + c(…): ``part`` times μ_st, or all of it with its mirror."""
+    cell = FrictionCell(mu_st=0.8, mu_d=0.3, xi=0.3, v_d=0.7)
+    c, own = 0.4, np.array([1.0, 2.0, 1.0])
+    for n in (1, 2, 3):
+        y = np.array([0.3, -0.5, 1.1])
+        others = sum(y[m] for m in (n - 2, n) if 0 <= m < 3)
+        load = side * part * cell.mu_st - 2.0 * cell.xi * cell.v_d
+        y[n - 1] = (load + c * others) / (1.0 + c * own[n - 1])
+        run = friction.new_run(new_numbers(cell, c, 1e-9), law_of(cell), np.array([y, np.zeros(3)]),
+                               own, times=np.zeros(0), logged=1, order=12)  # fmt: skip
+        run.mode[MODE, n] = side * mode
+        switch(run, n, 3.5)
+        assert run.mode[MODE, n] == side * following
+        assert run.mode[RELEASED, n] == released
+        assert run.site[W, 1:-1].tolist() == [-0.7 * (m != n) for m in (1, 2, 3)]
+        assert run.counters[friction.KINDS :].tolist() == [each == kind for each in range(3)]
+        assert run.counters[friction.LOGGED] == (kind is not None)
+        assert run.log.tolist() == ([[0.0] * 3] if kind is None else [[3.5, n, kind]])
+        arrival = 3.5 if kind == BEGINS else np.nan
+        assert run.site[ARRIVAL, n] == pytest.approx(arrival, nan_ok=True)
+
+
+def test_events_are_logged_until_the_log_is_full_and_the_first_arrival_remains() -> None:
+    """Static friction just holds what pulls with μ_st itself."""
+    cell = FrictionCell(xi=0.0)
+    y = np.array([cell.mu_st, -cell.mu_st, 1.25])
+    run = friction.new_run(new_numbers(cell, 0.0, 1e-9), law_of(cell), np.array([y, np.zeros(3)]),
+                           np.zeros(3), times=np.zeros(0), logged=3, order=12)  # fmt: skip
+    events = [
+        (1, BEGINS, 1.0),
+        (2, BEGINS, 1.5),
+        (1, ENDS, 2.0),
+        (2, ENDS, 2.5),
+        (1, REVERSES, 3.0),
+    ]
+    for n, kind, time in events:
+        run.site[Y, 1] = 1.25 if kind == REVERSES else cell.mu_st
+        run.mode[MODE, n] = {BEGINS: -1, ENDS: 0, REVERSES: 1}[kind]
+        switch(run, n, time)
+        assert run.mode[MODE, n] == (0 if kind == BEGINS else {1: -1, 2: 1}[n])
+    run.mode[MODE, 1], run.site[Y, 1] = -1, cell.mu_st
+    switch(run, 1, 4.0)
+    assert run.log.tolist() == [[time, n, kind] for n, kind, time in events[:3]]
+    assert run.counters[friction.LOGGED] == 3
+    assert run.counters[friction.KINDS :].tolist() == [3, 2, 1]
+    assert run.site[ARRIVAL, 1:3].tolist() == [1.0, 1.5]
+
+
 def test_sites_at_the_verge_of_release_are_released_one_after_another_at_one_time() -> None:
     """The belt is too slow to move them, but to round-off: each is looked at as its neighbour goes.
 
@@ -896,6 +1057,259 @@ def test_sites_at_the_verge_of_release_are_released_one_after_another_at_one_tim
     assert np.ptp(log[:, 0]) == 0.0
 
 
+@friction_outer
+def turning_point(w: np.ndarray, work: np.ndarray, after: float, h: float) -> tuple[float, int]:
+    """Of the middle one of three sites, on a belt of velocity 3/4."""
+    return friction._turning_point(w, work, 0.75, 1, after, h)
+
+
+def test_turning_points_are_the_roots_of_the_velocity_one_after_another() -> None:
+    """Of cubics with simple roots at known times, that rise first or fall."""
+    for roots in ([0.25, 0.5, 0.75], [0.125, 0.5, 1.5], [0.0, 0.5, 0.875], [-0.5, 0.0, 0.25]):
+        for sign in (1.0, -1.0):
+            w = np.zeros((4, 3))
+            w[:, 1] = sign * np.polynomial.polynomial.polyfromroots(roots)
+            w[0, 1] -= 0.75
+            for h in (0.3, 1.0):
+                after, expected = 0.0, [t for t in roots if 0.0 < t <= h]
+                for t in expected:
+                    after, kind = turning_point(w, new_work(3), after, h)
+                    assert after == pytest.approx(t, rel=1e-12)
+                    # y is lowest where its velocity rises.
+                    slope = sum(k * w[k, 1] * t ** (k - 1) for k in (1, 2, 3))
+                    assert kind == int(slope > 0.0)
+                assert turning_point(w, new_work(3), after, h)[0] == np.inf
+
+
+@pytest.mark.parametrize("first", [0.0, 0.5, -0.5])
+def test_a_site_that_starts_at_rest_turns_only_if_it_is_pulled(first: float) -> None:
+    w = np.zeros((4, 3))
+    w[:3, 1] = -0.75, first, -2.0 * first
+    found, kind = turning_point(w, new_work(3), 0.0, 1.0)
+    assert found == (0.25 * 2.0 if first else np.inf)
+    assert kind == (first < 0.0)
+
+
+COULOMB = FrictionCell(law=FrictionLaw.COULOMB, mu_st=1.0, mu_d=0.5, xi=0.1, v_d=1.25)
+
+
+@friction_outer
+def renew(run: friction.Run, lo: int, hi: int, now: float, length: float) -> float:
+    return friction._renew(run, lo, hi, now, length)
+
+
+def coulomb_run(start: np.ndarray, c: float, tolerance: float, order: int) -> friction.Run:
+    own = np.full(start.shape[1], 2.0)
+    own[[0, -1]] = 1.0
+    return friction.new_run(new_numbers(COULOMB, c, tolerance), law_of(COULOMB), start, own,
+                            times=np.zeros(0), logged=0, order=order)  # fmt: skip
+
+
+@pytest.mark.parametrize(("tolerance", "order"), [(1e-10, 12), (1e-3, 14)])
+@pytest.mark.parametrize("sites", [15, 32, 320])
+def test_a_frame_is_so_long_that_a_sixteenth_of_the_series_expire(
+    tolerance: float, order: int, sites: int
+) -> None:
+    """A series holds until one of its last two terms, |y_k| + |w_k| times h^k, is the tolerance."""
+    rng = np.random.default_rng(sites)
+    start = np.array([rng.uniform(0.0, 1.0, sites), rng.uniform(-1.0, 1.0, sites)])
+    start *= 10.0 ** rng.uniform(-3.0, 0.0, sites)  # sites that move little hold longer
+    run = coulomb_run(start, 0.01, tolerance, order)
+    length = renew(run, 1, sites + 1, 0.0, -1e3)
+    before, last = np.abs(run.series[[Y, W], -2:, 1:-1]).sum(axis=0)
+    holds = np.minimum((tolerance / before) ** (1 / (order - 1)), (tolerance / last) ** (1 / order))
+    assert (length > 1.0) is (tolerance == 1e-3)
+    # The shortest one, times a power of √2.
+    steps = 2.0 * math.log2(length / holds.min())
+    assert steps == pytest.approx(round(steps), abs=1e-9)
+    expired = [
+        16 * np.count_nonzero(holds < each * length - 1e-9) for each in (1.0, math.sqrt(2.0))
+    ]
+    assert expired[0] <= sites < expired[1]
+    assert run.site[END, 1:-1] == pytest.approx(np.minimum(length, holds), rel=1e-4)
+    # A frame is not longer than is asked for.
+    assert renew(run, 1, sites + 1, 0.0, -0.5 * length) == 0.5 * length
+    assert run.site[END, 1:-1] == pytest.approx(np.minimum(0.5 * length, holds), rel=1e-4)
+
+
+def test_series_that_end_before_time_can_be_counted_end_the_frame() -> None:
+    rng = np.random.default_rng(SEED)
+    start = np.array([rng.uniform(0.0, 1.0, 9), rng.uniform(-1.0, 1.0, 9)])
+    start[:, [0, -1]] *= 1e-3
+    run = coulomb_run(start, 0.01, 1e-10, 12)
+    length = 1.1 * renew(run, 1, 10, 0.0, -1e3)
+    for late, clock in ((False, 0.0), (False, 1e3), (True, 1e18)):
+        run.numbers[CLOCK] = clock
+        assert renew(run, 1, 10, 0.0, length) == (0.0 if late else length)
+    run.numbers[CLOCK], run.site[Y, 5] = 0.0, np.inf
+    assert np.isnan(renew(run, 1, 10, 0.0, length))
+
+
+def first_fall(f: np.ndarray, h: float) -> float:
+    """When a polynomial that is positive first becomes negative, by numpy; inf if not until h."""
+    roots = np.polynomial.Polynomial(np.trim_zeros(f, "b")).roots()
+    real = roots[np.abs(roots.imag) < 1e-9].real
+    return float(min(real[(real > 0.0) & (real <= h)], default=np.inf))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_new_series_between_older_ones_are_solutions_with_their_own_events(seed: int) -> None:
+    """Every coefficient follows from (5), and the series beside them are those of older times.
+
+    Three ranges are renewed one after another, the last two at one time.
+    """
+    rng, sites, c, order = np.random.default_rng(seed), 11, 0.2, 12
+    start = np.array([rng.uniform(-0.2, 0.4, sites), rng.uniform(0.3, 1.0, sites)])
+    others = rng.choice(sites, 5, replace=False)
+    start[1, others] = COULOMB.v_d + np.array([0.0, 0.0, 0.0, 0.0, 0.3])
+    run = coulomb_run(start, c, 1e-4, order)
+    site, mode, queue = run.site, run.mode[MODE], run.queue
+    length, leaves = renew(run, 1, sites + 1, 0.0, -1e3), queue.size // 2
+    edges = 0.02 * length, 0.05 * length
+    assert edges[1] < site[EVENT, 1:-1].min() < length
+    for lo, hi, now, held in ((2, 5, edges[0], 0.9), (5, 8, edges[1], 0.5), (8, 10, edges[1], 0.2)):
+        old, begins = run.series[:2].copy(), site[START].copy()
+        later = np.zeros_like(old)
+        for q in (Y, W):
+            for n in range(1, sites + 1):
+                moved = np.polynomial.Polynomial([now - begins[n], 1.0])
+                coefficients = np.polynomial.Polynomial(old[q, :, n])(moved).coef
+                later[q, : coefficients.size, n] = coefficients
+        site[END, lo - 1], others = now + held * (length - now), np.r_[0:lo, hi : sites + 2]
+        assert renew(run, lo, hi, now, length) == length
+        assert np.array_equal(run.series[:2][:, :, others], old[:, :, others])
+        assert np.array_equal(
+            site[START], np.where(np.isin(np.arange(sites + 2), others), begins, now)
+        )
+        y, w = run.series[Y].copy(), run.series[W]
+        y[:, others] = later[Y][:, others]
+        k, first = np.arange(1, order + 1), np.eye(order)[0]
+        for n in range(lo, hi):
+            assert [y[0, n], w[0, n]] == pytest.approx(later[:, 0, n], rel=1e-12)
+            assert site[[Y, W], n].tolist() == [y[0, n], w[0, n]]
+            pull = y[:, n] + c * (site[OWN, n] * y[:, n] - y[:, n - 1] - y[:, n + 1])
+            pull[0] += 2.0 * COULOMB.xi * COULOMB.v_d
+            force = pull[:-1] + 2.0 * COULOMB.xi * w[:-1, n] + mode[n] * COULOMB.mu_d * first
+            assert k * y[1:, n] == pytest.approx(w[:-1, n] + COULOMB.v_d * first, abs=1e-13)
+            assert k * w[1:, n] == pytest.approx(-abs(mode[n]) * force, abs=1e-12)
+            terms = np.abs(y[-2:, n]) + np.abs(w[-2:, n])
+            holds = (1e-4 / np.maximum(terms, 1e-300)) ** (1 / np.array([order - 1, order]))
+            ends = min(length, now + holds.min())
+            beside = [site[END, m] for m in (n - 1, n + 1)
+                      if m in others or (mode[n] == 0 != mode[m] and m < n)]  # fmt: skip
+            if not (mode[n] == 0 != mode[n + 1] and n + 1 < hi):
+                assert site[END, n] == pytest.approx(max(now, min([ends, *beside])), rel=1e-9)
+            assert site[END, n] <= min([ends, *beside]) * (1.0 + 1e-9)
+            falling = [mode[n] * w[:, n]]
+            if mode[n] == 0:
+                falling = [COULOMB.mu_st * np.eye(order + 1)[0] - s * pull for s in (1.0, -1.0)]
+            event = min(first_fall(f, site[END, n] - now) for f in falling)
+            assert site[EVENT, n] == pytest.approx(now + event, rel=1e-9)
+            expires = site[END, n] if site[END, n] < length else np.inf
+            assert queue[leaves + n] == min(site[EVENT, n], expires)
+        assert np.array_equal(queue[1:leaves], queue[2:].reshape(-1, 2).min(axis=1))
+    assert mode[1:-1].min() < 0 < mode.max()
+
+
+def coulomb_alone(times: np.ndarray, y: np.ndarray, stops: list[float]) -> friction.Run:
+    """Uncoupled sites that start with velocity 0, in frames in which they turn and stick often."""
+    numbers = new_numbers(COULOMB, 0.0, 1e-12)
+    run = friction.new_run(numbers, law_of(COULOMB), np.array([y, 0.0 * y]), 0.0 * y,
+                           times=times, logged=99, order=30)  # fmt: skip
+    for stop in stops:
+        assert friction.advance(run, stop, 100) == StopCode.REACHED
+    assert run.counters[friction.FRAMES] < 10
+    return run
+
+
+@pytest.mark.parametrize("sampled", [True, False])
+def test_the_last_turning_points_are_those_of_a_damped_oscillator(sampled: bool) -> None:
+    """y - μ_d = A e^{-ξτ} (cos ωτ + (ξ/ω) sin ωτ), which turns whenever ωτ is a multiple of π."""
+    sizes, xi = np.array([1.2, -0.7, 0.4]), COULOMB.xi
+    omega, stops = math.sqrt(1.0 - xi * xi), [1.0, 7.5, 9.3, 17.0]
+    times = np.concatenate([np.linspace(0.0, 17.0, 120), stops])
+    times.sort()
+    run = coulomb_alone(times[: times.size * sampled], COULOMB.mu_d + sizes, stops)
+    turn = COULOMB.mu_d + sizes[:, None] * (-math.exp(-math.pi * xi / omega)) ** np.arange(6)
+    # It starts at rest, at a point at which it does not turn.
+    for k, t in enumerate(times if sampled else [17.0]):
+        turned = int(omega * t / math.pi)
+        last = np.sort(turn[:, max(1, turned - 1) : turned + 1], axis=1)
+        if sampled:
+            decay = sizes * math.exp(-xi * t)
+            wave = math.cos(omega * t) + xi / omega * math.sin(omega * t)
+            assert run.samples[k, 0] == pytest.approx(COULOMB.mu_d + decay * wave, abs=1e-10)
+            wave = -math.sin(omega * t) / omega
+            assert run.samples[k, 1] == pytest.approx(decay * wave - COULOMB.v_d, abs=1e-10)
+            half = 0.5 * np.ptp(last, axis=1) if turned > 1 else np.full(3, np.nan)
+            assert run.samples[k, 2] == pytest.approx(half, abs=1e-10, nan_ok=True)
+    found = run.site[[LAST_MINIMUM, LAST_MAXIMUM], 1:-1].T
+    assert found == pytest.approx(last, abs=1e-10)
+    assert run.counters[friction.KINDS :].sum() == 0
+
+
+@pytest.mark.parametrize("sampled", [True, False])
+def test_stick_and_slip_of_uncoupled_sites_are_those_of_a_circle_and_its_tangent(
+    sampled: bool,
+) -> None:
+    """Slip about μ_d begins and ends at the velocity v_d, at a distance D of μ_st - μ_d from it."""
+    cell = replace(COULOMB, xi=0.0)
+    radius, half = math.hypot(0.5, cell.v_d), math.atan(0.5 / cell.v_d)
+    slip, stick = 2.0 * math.pi - 2.0 * half, 1.0 / cell.v_d
+    # Phases: time since slip began, negative in stick; the first one begins to slip at once.
+    phases = np.array([0.0, 0.3, slip - 0.4, -0.25 * stick, -0.75 * stick])
+    angles = phases + half
+    y = np.where(phases < 0.0, 1.0 + cell.v_d * phases, 0.5 + radius * np.sin(angles))
+    v = np.where(phases <= 0.0, cell.v_d, radius * np.cos(angles))
+    times = np.linspace(0.0, 20.0, 301)[: 301 * sampled]
+    run = friction.new_run(new_numbers(cell, 0.0, 1e-12), law_of(cell), np.array([y, v]), 0.0 * y,
+                           times=times, logged=99, order=30)  # fmt: skip
+    for stop in (0.1, 7.0, 20.0):
+        assert friction.advance(run, stop, 100) == StopCode.REACHED
+    for n, phase in enumerate(phases, start=1):
+        begins = [t for k in range(5) if 0.0 < (t := slip - phase + k * (slip + stick)) < 20.0]
+        ends = [t for k in range(5) if 0.0 < (t := -phase + k * (slip + stick)) < 20.0 or t == 0.0]
+        log = run.log[run.log[:, 1] == n]
+        assert log[log[:, 2] == BEGINS, 0] == pytest.approx(np.array(begins), abs=1e-10)
+        assert log[log[:, 2] == ENDS, 0] == pytest.approx(np.array(ends), abs=1e-10)
+        first = 0.0 if phase <= 0.0 else begins[0]
+        assert run.site[ARRIVAL, n] == pytest.approx(first, abs=1e-10)
+        assert run.site[[LAST_MAXIMUM, LAST_MINIMUM], n] == pytest.approx(
+            [0.5 + radius, 0.5 - radius]
+        )
+        for k, t in enumerate(times):
+            since = (phase + t + stick) % (slip + stick) - stick
+            angle = since + half
+            y_now = 1.0 + cell.v_d * since if since < 0.0 else 0.5 + radius * math.sin(angle)
+            v_now = cell.v_d if since < 0.0 else radius * math.cos(angle)
+            assert run.samples[k, 0, n - 1] == pytest.approx(y_now, abs=1e-9)
+            assert run.samples[k, 1, n - 1] == pytest.approx(v_now - cell.v_d, abs=1e-9)
+            highest = 0.5 * math.pi - half - phase
+            seen = t > max(each % (slip + stick) for each in (highest, highest + math.pi))
+            assert np.isnan(run.samples[k, 2, n - 1]) != seen
+            assert not seen or run.samples[k, 2, n - 1] == pytest.approx(radius, abs=1e-9)
+
+
+@pytest.mark.parametrize("clock", [0.0, 1e3])
+@pytest.mark.parametrize(("apart", "together"), [(0.4, True), (1.6, False)])
+def test_events_within_a_few_units_of_round_off_are_one(
+    clock: float, apart: float, together: bool
+) -> None:
+    """Of the time since the frame began, or of that since the run began."""
+    cell = FrictionCell(xi=0.0, v_d=1.0)
+    numbers = new_numbers(cell, 0.0, 1e-9)
+    numbers[CLOCK] = clock
+    y = np.zeros(5)
+    y[3] = apart * 8.9e-16 * max(1.0, clock)  # released earlier by as much
+    run = friction.new_run(numbers, law_of(cell), np.array([y, np.ones(5)]), 0.0 * y,
+                           times=np.zeros(0), logged=9, order=12)  # fmt: skip
+    assert friction.advance(run, clock + 1.1, 10) == StopCode.REACHED
+    assert run.counters[friction.KINDS :].tolist() == [0, 5, 0]
+    assert run.log[:5, 0] == pytest.approx(clock + 1.0, rel=1e-14)
+    order = [1, 2, 3, 4, 5] if together else [4, 1, 2, 3, 5]
+    assert run.log[:5, 1].tolist() == order
+
+
 @pytest.mark.parametrize(("away", "row"), [(1.0, 0), (-1.0, 1)])
 def test_a_turning_point_at_the_very_end_of_a_run_is_recorded(away: float, row: int) -> None:
     """Under Coulomb's law ÿ is what y lacks to μ_d: here one, so that time and velocity agree."""
@@ -909,6 +1323,11 @@ def test_a_turning_point_at_the_very_end_of_a_run_is_recorded(away: float, row: 
     assert np.isnan(run.last_extremes[1 - row]).all()
 
 
+@friction_outer
+def rate_of(w: np.ndarray, n: int, h: float) -> float:
+    return friction._rate(w, n, h)
+
+
 def test_series_and_their_bounds_are_those_of_polynomials_of_numpy() -> None:
     rng = np.random.default_rng(SEED)
     for order, h in ((1, 0.3), (2, 0.7), (5, 1.3), (12, 0.9)):
@@ -919,10 +1338,10 @@ def test_series_and_their_bounds_are_those_of_polynomials_of_numpy() -> None:
             (site_value, exact(h)),
             (absolute_sum, largest(h) - largest(0.0)),
             (_largest_bend, largest.deriv(2)(h)),
-            (friction._rate, largest.deriv()(h)),
         ]
         for function, value in functions:
             assert function.py_func(series, 1, h) == pytest.approx(value, rel=1e-12, abs=1e-14)
+        assert rate_of(series, 1, h) == pytest.approx(largest.deriv()(h), rel=1e-12)
         compiled: Any = value_at
         assert compiled.py_func(series[:, 1], order, h) == pytest.approx(exact(h), rel=1e-12)
         later, compiled = np.zeros(order + 1), shift
@@ -939,9 +1358,13 @@ def test_a_series_holds_until_one_of_its_last_two_terms_is_the_tolerance() -> No
     assert compiled.py_func(0.0, 0.0, 12, 1e-9) == np.inf
 
 
+@friction_outer
+def next_due(queue: np.ndarray, n: int, until: float) -> int:
+    return friction._next_due(queue, n, until)
+
+
 def test_the_next_site_that_is_due_is_found_in_the_tree_of_times() -> None:
     rng, leaves = np.random.default_rng(SEED), 16
-    compiled: Any = friction._next_due
     for sites in (0, 1, 2, 7, 16):
         queue = np.full(2 * leaves, np.inf)
         queue[leaves + rng.choice(leaves, sites, replace=False)] = rng.uniform(0.0, 1.0, sites)
@@ -952,4 +1375,4 @@ def test_the_next_site_that_is_due_is_found_in_the_tree_of_times() -> None:
             for n in range(leaves):
                 later = due[due >= n]
                 expected = later[0] if later.size else -1
-                assert compiled.py_func(queue, n, until) == expected
+                assert next_due(queue, n, until) == expected

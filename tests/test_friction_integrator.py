@@ -29,6 +29,16 @@ from verification.runs.integration import NotFiniteError, StandstillError
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers import friction
+from verification.steppers.friction import (
+    _next_due,
+    _ranges,
+    _rate,
+    _reach,
+    _renew,
+    _switch,
+    _turning_point,
+    _widen,
+)
 from verification.steppers.friction_series import (
     ARRIVAL,
     BEYOND,
@@ -383,6 +393,31 @@ def test_a_start_at_the_verge_of_release_is_released_at_once() -> None:
     assert run.event_log[0, 2] == ENDS
     beyond = simulate(chain, np.array([[5.0], [CELL.v_d]]), 1.0)
     assert np.all(np.diff(beyond.velocity[:50, 0]) < 0)
+
+
+def test_sites_released_as_a_run_begins_are_so_however_strongly_they_are_coupled() -> None:
+    """The first frame ends as it begins if all sites need new series; alike, they do not pull."""
+    runs = []
+    for c, sites in ((1e6, 2), (0.0, 1)):
+        start = np.full((2, sites), CELL.v_d)
+        start[0] = CELL.release
+        run = FrictionIntegration(FrictionChain.of(CELL, c=c, sites=sites), start,
+                                  tolerance=1e-12, logged_events=9)  # fmt: skip
+        run.advance_to(5.0)
+        runs.append(run)
+    strong, alone = runs
+    assert strong.state == pytest.approx(np.tile(alone.state, 2), abs=1e-9)
+    assert [each.log[: len(each.state[0]), 0].max() for each in runs] == [0.0, 0.0]
+    assert [each.events["releases"] for each in runs] == [2, 1]
+
+
+def test_a_run_ends_at_the_very_time_that_it_is_to_reach() -> None:
+    rng = np.random.default_rng(SEED)
+    for stop in rng.uniform(1.0, 3.0, 20):
+        run = FrictionIntegration(FrictionChain(c=0.0, sites=1), np.array([[0.6], [0.0]]))
+        for time in (rng.uniform(0.0, 0.5), stop):
+            run.advance_to(time)
+            assert run.time == time
 
 
 @pytest.mark.parametrize(
@@ -834,7 +869,7 @@ def test_a_site_at_the_velocity_of_the_belt_is_pulled_by_its_neighbours_too(
 
 @friction_outer
 def widen(site: np.ndarray, numbers: np.ndarray, counters: np.ndarray) -> None:
-    friction._widen(site, numbers, counters)
+    _widen(site, numbers, counters)
 
 
 @pytest.mark.parametrize("row", [Y, W])
@@ -887,7 +922,7 @@ def test_the_sites_between_both_ends_of_the_window_are_counted_as_stepped(
 
 @friction_outer
 def ranges_around(run: friction.Run, due: int, radius: int) -> int:
-    return friction._ranges(run, due, radius)
+    return _ranges(run, due, radius)
 
 
 @pytest.mark.parametrize(
@@ -915,7 +950,7 @@ def test_new_series_are_made_on_either_side_of_the_sites_that_are_due(
 
 @friction_outer
 def reach(numbers: np.ndarray, order: int, change: float, h: float) -> int:
-    return friction._reach(numbers, order, change, h)
+    return _reach(numbers, order, change, h)
 
 
 @pytest.mark.parametrize("c", [1e-3, 0.05, 1.0, 20.0])
@@ -926,7 +961,7 @@ def test_new_series_are_made_as_far_as_the_truncation_is_not_negligible(
 ) -> None:
     """The bound of the module's docstring, with the positive root of q from numpy."""
     order, tolerance = 16, 1e-10
-    numbers = new_numbers(CELL, c, tolerance)
+    numbers = new_numbers(replace(CELL, xi=1.0), c, tolerance)  # damping counts as well
     rates = np.roots([1.0, -(numbers[DRAG] + numbers[STEEPEST]), -(1.0 + 2.0 * c)])
 
     def force(d: int) -> float:
@@ -969,7 +1004,7 @@ def test_a_series_resolves_friction_if_the_term_beyond_is_below_the_tolerance(
 
 @friction_outer
 def switch(run: friction.Run, n: int, time: float) -> None:
-    friction._switch(run, n, time)
+    _switch(run, n, time)
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -1060,7 +1095,7 @@ def test_sites_at_the_verge_of_release_are_released_one_after_another_at_one_tim
 @friction_outer
 def turning_point(w: np.ndarray, work: np.ndarray, after: float, h: float) -> tuple[float, int]:
     """Of the middle one of three sites, on a belt of velocity 3/4."""
-    return friction._turning_point(w, work, 0.75, 1, after, h)
+    return _turning_point(w, work, 0.75, 1, after, h)
 
 
 def test_turning_points_are_the_roots_of_the_velocity_one_after_another() -> None:
@@ -1095,7 +1130,7 @@ COULOMB = FrictionCell(law=FrictionLaw.COULOMB, mu_st=1.0, mu_d=0.5, xi=0.1, v_d
 
 @friction_outer
 def renew(run: friction.Run, lo: int, hi: int, now: float, length: float) -> float:
-    return friction._renew(run, lo, hi, now, length)
+    return _renew(run, lo, hi, now, length)
 
 
 def coulomb_run(start: np.ndarray, c: float, tolerance: float, order: int) -> friction.Run:
@@ -1211,41 +1246,42 @@ def test_new_series_between_older_ones_are_solutions_with_their_own_events(seed:
     assert mode[1:-1].min() < 0 < mode.max()
 
 
-def coulomb_alone(times: np.ndarray, y: np.ndarray, stops: list[float]) -> friction.Run:
-    """Uncoupled sites that start with velocity 0, in frames in which they turn and stick often."""
-    numbers = new_numbers(COULOMB, 0.0, 1e-12)
-    run = friction.new_run(numbers, law_of(COULOMB), np.array([y, 0.0 * y]), 0.0 * y,
-                           times=times, logged=99, order=30)  # fmt: skip
+@pytest.mark.parametrize("sampled", [True, False])
+@pytest.mark.parametrize(("c", "sizes"), [(0.0, [1.2, -0.7, 0.4]), (1000.0, [0.02, -0.02])])
+def test_the_last_turning_points_are_those_of_a_damped_oscillator(
+    sampled: bool, c: float, sizes: list[float]
+) -> None:
+    """y - μ_d = A e^{-ξτ} (cos ωτ + (ξ/ω) sin ωτ), which turns whenever ωτ is a multiple of π.
+
+    Two sites that swing against each other are coupled twice. They turn several times in a frame.
+    """
+    size, xi, free = np.array(sizes), COULOMB.xi, math.sqrt(1.0 + 2.0 * c)
+    omega, own = math.sqrt(free**2 - xi**2), np.ones(len(sizes))
+    stops = [each / free for each in (1.0, 7.5, 9.3, 17.0)]
+    times = np.sort(np.concatenate([np.linspace(0.0, stops[-1], 120), stops]))
+    times = times if sampled else times[:0]
+    start = np.array([COULOMB.mu_d + size, 0.0 * size])
+    run = friction.new_run(new_numbers(COULOMB, c, 1e-12), law_of(COULOMB), start, own,
+                           times=times, logged=9, order=30)  # fmt: skip
     for stop in stops:
         assert friction.advance(run, stop, 100) == StopCode.REACHED
+        assert run.numbers[CLOCK] == stop
     assert run.counters[friction.FRAMES] < 10
-    return run
-
-
-@pytest.mark.parametrize("sampled", [True, False])
-def test_the_last_turning_points_are_those_of_a_damped_oscillator(sampled: bool) -> None:
-    """y - μ_d = A e^{-ξτ} (cos ωτ + (ξ/ω) sin ωτ), which turns whenever ωτ is a multiple of π."""
-    sizes, xi = np.array([1.2, -0.7, 0.4]), COULOMB.xi
-    omega, stops = math.sqrt(1.0 - xi * xi), [1.0, 7.5, 9.3, 17.0]
-    times = np.concatenate([np.linspace(0.0, 17.0, 120), stops])
-    times.sort()
-    run = coulomb_alone(times[: times.size * sampled], COULOMB.mu_d + sizes, stops)
-    turn = COULOMB.mu_d + sizes[:, None] * (-math.exp(-math.pi * xi / omega)) ** np.arange(6)
     # It starts at rest, at a point at which it does not turn.
-    for k, t in enumerate(times if sampled else [17.0]):
-        turned = int(omega * t / math.pi)
-        last = np.sort(turn[:, max(1, turned - 1) : turned + 1], axis=1)
-        if sampled:
-            decay = sizes * math.exp(-xi * t)
-            wave = math.cos(omega * t) + xi / omega * math.sin(omega * t)
-            assert run.samples[k, 0] == pytest.approx(COULOMB.mu_d + decay * wave, abs=1e-10)
-            wave = -math.sin(omega * t) / omega
-            assert run.samples[k, 1] == pytest.approx(decay * wave - COULOMB.v_d, abs=1e-10)
-            half = 0.5 * np.ptp(last, axis=1) if turned > 1 else np.full(3, np.nan)
-            assert run.samples[k, 2] == pytest.approx(half, abs=1e-10, nan_ok=True)
+    turn = COULOMB.mu_d + size[:, None] * (-math.exp(-math.pi * xi / omega)) ** np.arange(6)
+    for k, t in enumerate(times):
+        turned, decay = int(omega * t / math.pi), size * math.exp(-xi * t)
+        wave = math.cos(omega * t) + xi / omega * math.sin(omega * t)
+        assert run.samples[k, 0] == pytest.approx(COULOMB.mu_d + decay * wave, abs=1e-10)
+        wave = -(free**2) * math.sin(omega * t) / omega
+        assert run.samples[k, 1] == pytest.approx(decay * wave - COULOMB.v_d, abs=1e-9)
+        half = 0.5 * abs(turn[:, turned] - turn[:, turned - 1])
+        half = half if turned > 1 else np.full(size.size, np.nan)
+        assert run.samples[k, 2] == pytest.approx(half, abs=1e-10, nan_ok=True)
+    last = np.sort(turn[:, 4:6], axis=1)
     found = run.site[[LAST_MINIMUM, LAST_MAXIMUM], 1:-1].T
     assert found == pytest.approx(last, abs=1e-10)
-    assert run.counters[friction.KINDS :].sum() == 0
+    assert not run.log.any()
 
 
 @pytest.mark.parametrize("sampled", [True, False])
@@ -1290,6 +1326,36 @@ def test_stick_and_slip_of_uncoupled_sites_are_those_of_a_circle_and_its_tangent
             assert not seen or run.samples[k, 2, n - 1] == pytest.approx(radius, abs=1e-9)
 
 
+def test_a_site_gets_new_series_as_far_as_its_new_motion_is_felt() -> None:
+    """Weak friction holds it, until neighbours that rush by accelerate it a thousand times more."""
+    cell = replace(COULOMB, mu_st=0.01, mu_d=0.005, xi=0.0, v_d=1.0)
+    c, tolerance, sites, length, speed = 0.05, 1e-6, 41, 0.1, 1000.0
+    own = np.full(sites, 2.0)
+    own[[0, -1]] = 1.0
+    start = np.array([np.zeros(sites), np.full(sites, speed)])
+    start[1, 20] = cell.v_d
+    first, run = (
+        friction.new_run(new_numbers(cell, c, tolerance), law_of(cell), start.copy(), own,
+                         times=np.zeros(0), logged=9, order=16)
+        for _ in range(2)
+    )  # fmt: skip
+    assert renew(first, 1, sites + 1, 0.0, -length) == length
+    assert friction.advance(run, length, 1) == StopCode.REACHED
+    assert run.log[:, 1:].tolist() == [[21, ENDS], *[[0, 0]] * 8]
+    left = length - run.log[0, 0]
+    change = 2.0 * c * speed * left  # what the force, and its acceleration, becomes
+    growth = math.exp(math.sqrt(1.0 + 2.0 * c) * left) * math.cosh(c * left**2)
+    for part in (0.5, 20.0):  # not nearer, and no farther than a bound that is not wasteful
+        needed = [
+            c * part * change * growth * c**d * left ** (2 * d + 2) / math.factorial(2 * d + 2)
+            <= 0.01 * tolerance
+            for d in range(4)
+        ]
+        assert needed == [False, False, True, True]
+    renewed = np.flatnonzero((run.series[Y] != first.series[Y]).any(axis=0))
+    assert renewed.tolist() == [19, 20, 21, 22, 23]
+
+
 @pytest.mark.parametrize("clock", [0.0, 1e3])
 @pytest.mark.parametrize(("apart", "together"), [(0.4, True), (1.6, False)])
 def test_events_within_a_few_units_of_round_off_are_one(
@@ -1325,7 +1391,7 @@ def test_a_turning_point_at_the_very_end_of_a_run_is_recorded(away: float, row: 
 
 @friction_outer
 def rate_of(w: np.ndarray, n: int, h: float) -> float:
-    return friction._rate(w, n, h)
+    return _rate(w, n, h)
 
 
 def test_series_and_their_bounds_are_those_of_polynomials_of_numpy() -> None:
@@ -1360,7 +1426,7 @@ def test_a_series_holds_until_one_of_its_last_two_terms_is_the_tolerance() -> No
 
 @friction_outer
 def next_due(queue: np.ndarray, n: int, until: float) -> int:
-    return friction._next_due(queue, n, until)
+    return _next_due(queue, n, until)
 
 
 def test_the_next_site_that_is_due_is_found_in_the_tree_of_times() -> None:
@@ -1370,7 +1436,7 @@ def test_the_next_site_that_is_due_is_found_in_the_tree_of_times() -> None:
         queue[leaves + rng.choice(leaves, sites, replace=False)] = rng.uniform(0.0, 1.0, sites)
         for node in range(leaves - 1, 0, -1):
             queue[node] = min(queue[2 * node], queue[2 * node + 1])
-        for until in (0.0, 0.2, 0.6, 1.0):
+        for until in (0.0, 0.2, 0.6, 1.0, *queue[leaves:]):
             due = np.flatnonzero(queue[leaves:] <= until)
             for n in range(leaves):
                 later = due[due >= n]

@@ -411,6 +411,16 @@ def test_sites_released_as_a_run_begins_are_so_however_strongly_they_are_coupled
     assert [each.events["releases"] for each in runs] == [2, 1]
 
 
+def test_an_event_at_the_very_end_of_a_run_is_part_of_it() -> None:
+    """The belt moves a site to the verge of release within a time that is exactly one."""
+    cell = FrictionCell(xi=0.0, v_d=1.0)
+    run = FrictionIntegration(FrictionChain.of(cell, c=0.0, sites=1), np.array([[0.0], [1.0]]),
+                              logged_events=2)  # fmt: skip
+    run.advance_to(1.0)
+    assert run.log.tolist() == [[1.0, 1, ENDS]]
+    assert not run.stuck.any()
+
+
 def test_a_run_ends_at_the_very_time_that_it_is_to_reach() -> None:
     rng = np.random.default_rng(SEED)
     for stop in rng.uniform(1.0, 3.0, 20):
@@ -1178,6 +1188,10 @@ def test_series_that_end_before_time_can_be_counted_end_the_frame() -> None:
         assert renew(run, 1, 10, 0.0, length) == (0.0 if late else length)
     run.numbers[CLOCK], run.site[Y, 5] = 0.0, np.inf
     assert np.isnan(renew(run, 1, 10, 0.0, length))
+    # Coefficients grow by some 1e20 at every second one; only the last is too large a number.
+    run = coulomb_run(np.array([[0.0, 0.0], [1e196, -1e196]]), 5e19, 1e-10, 12)
+    assert np.isnan(renew(run, 1, 3, 0.0, -1.0))
+    assert np.isfinite(run.series[[Y, W], :-1]).all()
 
 
 def first_fall(f: np.ndarray, h: float) -> float:
@@ -1195,8 +1209,8 @@ def test_new_series_between_older_ones_are_solutions_with_their_own_events(seed:
     """
     rng, sites, c, order = np.random.default_rng(seed), 11, 0.2, 12
     start = np.array([rng.uniform(-0.2, 0.4, sites), rng.uniform(0.3, 1.0, sites)])
-    others = rng.choice(sites, 5, replace=False)
-    start[1, others] = COULOMB.v_d + np.array([0.0, 0.0, 0.0, 0.0, 0.3])
+    others = rng.choice(sites, 8, replace=False)
+    start[1, others] = COULOMB.v_d + np.repeat([0.0, 0.3], 4)
     run = coulomb_run(start, c, 1e-4, order)
     site, mode, queue = run.site, run.mode[MODE], run.queue
     length, leaves = renew(run, 1, sites + 1, 0.0, -1e3), queue.size // 2
@@ -1262,10 +1276,15 @@ def test_the_last_turning_points_are_those_of_a_damped_oscillator(
     times = times if sampled else times[:0]
     start = np.array([COULOMB.mu_d + size, 0.0 * size])
     run = friction.new_run(new_numbers(COULOMB, c, 1e-12), law_of(COULOMB), start, own,
-                           times=times, logged=9, order=30)  # fmt: skip
+                           times=np.append(times, 0.0)[:-1], logged=9, order=30)  # fmt: skip
+    room = np.zeros((times.size + 1, 3, size.size))
+    run = run._replace(samples=room[:-1])
     for stop in stops:
         assert friction.advance(run, stop, 100) == StopCode.REACHED
         assert run.numbers[CLOCK] == stop
+    # What lies beyond the times and the samples is neither read nor written.
+    assert run.counters[friction.SAMPLED] == times.size
+    assert not room[-1].any()
     assert run.counters[friction.FRAMES] < 10
     # It starts at rest, at a point at which it does not turn.
     turn = COULOMB.mu_d + size[:, None] * (-math.exp(-math.pi * xi / omega)) ** np.arange(6)
@@ -1282,6 +1301,22 @@ def test_the_last_turning_points_are_those_of_a_damped_oscillator(
     found = run.site[[LAST_MINIMUM, LAST_MAXIMUM], 1:-1].T
     assert found == pytest.approx(last, abs=1e-10)
     assert not run.log.any()
+
+
+def test_sites_outside_of_the_window_are_sampled_as_they_are() -> None:
+    """Also if they are made to begin beside sites that move."""
+    cell, times = replace(COULOMB, xi=0.0), np.linspace(0.0, 9.0, 40)
+    sizes = np.array([0.3, -0.4, 0.5, 0.6, -0.7])
+    start = np.array([cell.mu_d + sizes, 0.0 * sizes])
+    run = friction.new_run(new_numbers(cell, 0.0, 1e-12), law_of(cell), start, 0.0 * sizes,
+                           times=times, logged=0, order=30)  # fmt: skip
+    run.counters[[friction.LO, friction.HI]] = 2, 5
+    for stop in (3.1, 9.0):
+        assert friction.advance(run, stop, 100) == StopCode.REACHED
+    swing = sizes * np.where([False, True, True, True, False], np.cos(times)[:, None], 1.0)
+    assert run.samples[:, 0] == pytest.approx(cell.mu_d + swing, abs=1e-10)
+    fall = sizes * np.where([False, True, True, True, False], -np.sin(times)[:, None], 0.0)
+    assert run.samples[:, 1] == pytest.approx(fall - cell.v_d, abs=1e-10)
 
 
 @pytest.mark.parametrize("sampled", [True, False])
@@ -1354,6 +1389,22 @@ def test_a_site_gets_new_series_as_far_as_its_new_motion_is_felt() -> None:
         assert needed == [False, False, True, True]
     renewed = np.flatnonzero((run.series[Y] != first.series[Y]).any(axis=0))
     assert renewed.tolist() == [19, 20, 21, 22, 23]
+
+
+def test_a_site_released_at_the_end_of_a_frame_is_not_stopped_by_rounding() -> None:
+    """Its acceleration is zero exactly, whichever numbers cancel in it."""
+    rng = np.random.default_rng(SEED)
+    for _ in range(30):
+        cell = FrictionCell(
+            mu_d=rng.uniform(0.2, 0.8), xi=rng.uniform(0.0, 0.3), v_d=rng.uniform(0.3, 1.0)
+        )
+        start = np.array(
+            [np.full(2, cell.release - rng.uniform(0.001, 0.002)), np.full(2, cell.v_d)]
+        )
+        run = FrictionIntegration(FrictionChain.of(cell, c=1e6, sites=2), start)
+        run.advance_to(0.01)
+        assert run.events == {"sticks": 0, "releases": 2, "reversals": 0}
+        assert run.counts["steps"] > 1
 
 
 @pytest.mark.parametrize("clock", [0.0, 1e3])

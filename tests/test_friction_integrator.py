@@ -50,11 +50,13 @@ from verification.steppers.friction_series import (
     EVENT,
     FIRST,
     JUMP,
+    KEPT,
     LAST_MAXIMUM,
     LAST_MINIMUM,
     LAST_TERM,
     MODE,
     OWN,
+    POLYNOMIAL,
     RELEASED,
     REST,
     SLIDING,
@@ -200,7 +202,6 @@ def test_every_event_is_that_of_scipy(name: str) -> None:
         ({"c": 0.3, "sites": 9, "ends": Ends.LITERAL}, 0.7),
         ({"c": 0.05, "sites": 13, "law": FrictionLaw.STRIBECK}, 0.5),
         ({"c": 0.02, "sites": 13, "law": FrictionLaw.COULOMB}, 0.5),
-        ({"c": 0.02, "sites": 13, "law": FrictionLaw.STRIBECK, "v_s": 0.02}, 0.5),
     ],
 )
 def test_the_first_events_of_many_sites_are_those_of_scipy(
@@ -211,6 +212,18 @@ def test_the_first_events_of_many_sites_are_those_of_scipy(
     ours = assert_events_of_scipy(chain, random_start(chain.sites), 2.5, steep=False)
     assert ours.counts["local_series"] > 0
     assert ours.event_count > 4
+
+
+@pytest.mark.parametrize("changes", [{"v0": 0.02}, {"law": FrictionLaw.STRIBECK, "v_s": 0.05}])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_friction_that_rises_within_a_narrow_range_is_seen_from_either_side(
+    changes: dict[str, Any], side: float
+) -> None:
+    """The second site is ahead of the belt or behind it, and is stopped within the time."""
+    chain = FrictionChain(c=0.1, sites=2, v_d=0.5, xi=0.0, **changes)
+    start = np.array([[0.2, 0.15 * side - 0.15], [-0.9, 0.5 + 0.3 * side]])
+    ours = assert_events_of_scipy(chain, start, 0.8, steep=False)
+    assert ours.event_log[0, 1:].tolist() == [2, BEGINS]
 
 
 @pytest.mark.parametrize("name", ["cycle", "three", "strong", "reversals", "steep", "far"])
@@ -422,12 +435,16 @@ def test_an_event_at_the_very_end_of_a_run_is_part_of_it() -> None:
 
 
 def test_a_run_ends_at_the_very_time_that_it_is_to_reach() -> None:
-    rng = np.random.default_rng(SEED)
-    for stop in rng.uniform(1.0, 3.0, 20):
-        run = FrictionIntegration(FrictionChain(c=0.0, sites=1), np.array([[0.6], [0.0]]))
-        for time in (rng.uniform(0.0, 0.5), stop):
+    """Also where the time from here to there, added to that of here, is later by rounding."""
+    chain, step, later = FrictionChain(c=0.0, sites=1), np.spacing(3.0), 0
+    for k in range(8):
+        here, there = 0.25 + (k + 0.5) * step, 3.0 + k * step
+        later += here + (there - here) > there
+        run = FrictionIntegration(chain, np.array(chain.rest_state)[:, None])
+        for time in (here, there):
             run.advance_to(time)
             assert run.time == time
+    assert later > 0
 
 
 @pytest.mark.parametrize(
@@ -1150,7 +1167,7 @@ def coulomb_run(start: np.ndarray, c: float, tolerance: float, order: int) -> fr
                             times=np.zeros(0), logged=0, order=order)  # fmt: skip
 
 
-@pytest.mark.parametrize(("tolerance", "order"), [(1e-10, 12), (1e-3, 14)])
+@pytest.mark.parametrize(("tolerance", "order"), [(1e-10, 12), (1e-3, 14), (1e3, 4)])
 @pytest.mark.parametrize("sites", [15, 32, 320])
 def test_a_frame_is_so_long_that_a_sixteenth_of_the_series_expire(
     tolerance: float, order: int, sites: int
@@ -1163,7 +1180,7 @@ def test_a_frame_is_so_long_that_a_sixteenth_of_the_series_expire(
     length = renew(run, 1, sites + 1, 0.0, -1e3)
     before, last = np.abs(run.series[[Y, W], -2:, 1:-1]).sum(axis=0)
     holds = np.minimum((tolerance / before) ** (1 / (order - 1)), (tolerance / last) ** (1 / order))
-    assert (length > 1.0) is (tolerance == 1e-3)
+    assert (length > 1.0) is (tolerance > 1e-10)
     # The shortest one, times a power of √2.
     steps = 2.0 * math.log2(length / holds.min())
     assert steps == pytest.approx(round(steps), abs=1e-9)
@@ -1261,17 +1278,18 @@ def test_new_series_between_older_ones_are_solutions_with_their_own_events(seed:
 
 
 @pytest.mark.parametrize("sampled", [True, False])
-@pytest.mark.parametrize(("c", "sizes"), [(0.0, [1.2, -0.7, 0.4]), (1000.0, [0.02, -0.02])])
+@pytest.mark.parametrize(("c", "sizes"), [(0.0, [1.2, -0.7, 0.4]), (1e5, [0.002, -0.002])])
 def test_the_last_turning_points_are_those_of_a_damped_oscillator(
     sampled: bool, c: float, sizes: list[float]
 ) -> None:
     """y - μ_d = A e^{-ξτ} (cos ωτ + (ξ/ω) sin ωτ), which turns whenever ωτ is a multiple of π.
 
-    Two sites that swing against each other are coupled twice. They turn several times in a frame.
+    Two sites that swing against each other are coupled twice. They turn several times in a frame,
+    whatever the work space contains.
     """
     size, xi, free = np.array(sizes), COULOMB.xi, math.sqrt(1.0 + 2.0 * c)
     omega, own = math.sqrt(free**2 - xi**2), np.ones(len(sizes))
-    stops = [each / free for each in (1.0, 7.5, 9.3, 17.0)]
+    stops = [each / free for each in (1.0, 1.75, 7.5, 9.3, 17.0)]
     times = np.sort(np.concatenate([np.linspace(0.0, stops[-1], 120), stops]))
     times = times if sampled else times[:0]
     start = np.array([COULOMB.mu_d + size, 0.0 * size])
@@ -1279,6 +1297,7 @@ def test_the_last_turning_points_are_those_of_a_damped_oscillator(
                            times=np.append(times, 0.0)[:-1], logged=9, order=30)  # fmt: skip
     room = np.zeros((times.size + 1, 3, size.size))
     run = run._replace(samples=room[:-1])
+    run.work[POLYNOMIAL : KEPT + 2] = 1.0
     for stop in stops:
         assert friction.advance(run, stop, 100) == StopCode.REACHED
         assert run.numbers[CLOCK] == stop

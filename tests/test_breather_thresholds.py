@@ -15,6 +15,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 from tests.folds import fold_of
+from tests.one_step import compiled_condition, steps
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import envelope_rate
 from theory.chains.ends import Ends
@@ -27,8 +28,10 @@ from verification.breathers.envelope import RotatingWaves
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import run_breather
 from verification.continuation.branch import Crossing, FoldShift
+from verification.runs.envelope_run import escape as escape_condition
 from verification.runs.envelope_run import run_envelope
 from verification.runs.excite import StartPoint
+from verification.steppers.smooth import BUDGET, CONDITION, OUTCOME
 from verification.thresholds import continuation, escape
 from verification.thresholds import threshold as thresholds
 from verification.thresholds.continuation import breather_threshold
@@ -41,6 +44,7 @@ from verification.thresholds.threshold import threshold
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0)
 SEED = 20261121
+ESCAPE = compiled_condition(escape_condition)
 
 
 @pytest.mark.parametrize("ends", VdpChain.allowed_ends)
@@ -124,6 +128,30 @@ def test_a_run_ends_when_a_watched_site_passes_the_limit() -> None:
     assert run.coupling == 0.0
     free = run_envelope(chain, start, 100.0, watched=watched, limit=3.0)
     assert (free.escaped, free.time) == (False, 100.0)
+
+
+@pytest.mark.parametrize(
+    ("sites", "escapes"),
+    [
+        ([(3.0, 4.0), (-4.0, 3.0)], False),  # on the limit
+        ([(3.0, 4.01), (0.0, 0.0)], True),
+        ([(0.0, 0.0), (-4.01, 3.0)], True),
+        ([(0.0, -5.01), (0.0, 0.0)], True),
+        ([(3.6, -3.6), (0.0, 0.0)], True),
+        ([(0.0, 0.0), (5.01, 0.0)], True),
+        ([(3.5, 3.5), (-3.5, 3.5)], False),
+    ],
+)
+def test_a_site_escapes_by_its_amplitude_at_any_phase(
+    sites: list[tuple[float, float]], escapes: bool
+) -> None:
+    """Of two watched sites between two that are not, and after the step."""
+    state = np.array([(9.0, 9.0), *sites, (9.0, -9.0)]).T
+    memory = [25.0, 0.0, 1.0, 1.0, 0.0]
+    for motion in (np.zeros((2, 4)), state):
+        found = steps(state - motion, [motion], watch=ESCAPE, memory=memory)
+        assert found.counters[OUTCOME] == escapes
+        assert found.code == (CONDITION if escapes else BUDGET)
 
 
 def test_a_nucleus_is_prepared_in_phase_and_without_noise_unless_some_is_asked_for() -> None:

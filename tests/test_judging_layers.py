@@ -32,6 +32,7 @@ from fronts.piecewise.profile import _chosen
 from paper_checks.report.document import Report
 from paper_checks.ruling import Verdict, agrees
 from tests.folds import fold_of
+from tests.one_step import TAKEN, compiled_condition, steps
 from tests.settling import prepared
 from theory.averaged.breather import Reading, closed_form_fold
 from theory.cells.friction import FrictionCell
@@ -869,6 +870,181 @@ def test_a_front_is_a_chain_that_stays_filled_for_as_long_again(
         found = state_run._filled.py_func(t, state, memory)
     assert found is filled
     assert memory[state_run._LASTING] == lasting
+
+
+NAMED = compiled_condition(state_run.named_state)
+
+
+def _watched(memory: np.ndarray, y: Any, w: Any, motion: Any = (), **given: Any) -> Any:
+    """Take a step under the compiled stop condition, with these numbers in its memory."""
+    numbers = {"_FIRST": -1.0, "_NEXT": 99.0, "_WINDOW": 999.0}
+    clock = [given.pop("t", 0.0), 0.0, 0.0, 0.0, 0.0]
+    for name in [name for name in given if name.startswith("_")]:
+        numbers[name] = given.pop(name)
+    memory = memory.copy()
+    for name, number in numbers.items():
+        memory[getattr(state_run, name)] = number
+    found = steps([y, w], motion, clock=clock, memory=memory, watch=NAMED, **given)
+    found.outcome = found.counters[smooth_steps.OUTCOME]
+    found.named = {
+        name: found.memory[getattr(state_run, name)] for name in INDICES[state_run][0].split()[:-1]
+    }
+    found.lowest, found.highest = np.split(found.memory[state_run._SITES :], 2)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("before", "rate", "at"),
+    [
+        (-0.5, 1.0, 0.5),
+        (-0.25, 1.0, 0.25),
+        (-0.5, 0.5, 1.0),  # just at the end of the step
+        (-0.5, 0.25, None),  # not yet
+        (0.0, 1.0, None),  # at the end of the step before
+        (0.5, 1.0, None),
+        (0.5, -1.0, None),  # downwards
+    ],
+)
+@pytest.mark.parametrize("count", [0.0, 3.0])
+def test_amplitudes_are_those_at_which_the_last_site_rises_through_zero(
+    before: float, rate: float, at: float | None, count: float
+) -> None:
+    """Of three sites; in the compiled stop condition, and once a sample is due."""
+    y, w = np.array([3.0, 0.5, before]), np.array([4.0, 0.0, -2.0])
+    motion = [[[0.0, 1.0, rate], [0.0, 2.0, 0.5]]]
+    memory = _memory((0.25, 5.5), (0.2, 0.3), (1.9, 2.0))
+    memory[[state_run._LEVEL, state_run._OSCILLATES, state_run._COUNT]] = 5.0, 1.0, count
+    for due in (1.0, 2.0, 2.5):
+        found = _watched(memory, y, w, motion, t=2.0, _NEXT=due, _WINDOW=8.0, _ABOVE=2.0)
+        if at is None or due > 2.0:
+            assert found.named["_COUNT"] == count
+            assert found.named["_NEXT"] == due
+            assert found.memory[state_run._SITES :].tolist() == [0.25, 0.2, 1.9, 5.5, 0.3, 2.0]
+            continue
+        section = np.array([3.0, 0.5 + at, 0.0, 4.0, 2.0 * at, -2.0 + 0.5 * at])
+        assert found.rows.inside == pytest.approx(section, abs=1e-12)
+        sizes = np.hypot(*section.reshape(2, 3))
+        lowest, highest = sizes, sizes
+        if count:
+            lowest = np.minimum(sizes, [0.25, 0.2, 1.9])
+            highest = np.maximum(sizes, [5.5, 0.3, 2.0])
+        assert found.lowest == pytest.approx(lowest, abs=1e-12)
+        assert found.highest == pytest.approx(highest, abs=1e-12)
+        assert found.named["_COUNT"] == count + 1.0
+        assert found.named["_NEXT"] == due + 8.0 / 16.0
+        assert found.named["_ABOVE"] == 0.0  # an amplitude of 5 is not above the level
+        assert found.outcome == 0
+
+
+def test_amplitudes_of_what_does_not_oscillate_are_taken_at_the_beginning_of_a_step() -> None:
+    memory = _memory((7.0, 8.0), (7.0, 8.0))
+    found = _watched(memory, [3.0, 1.0], [4.0, 0.0], [[[1.0, 1.0], [1.0, 1.0]]], t=2.0, _NEXT=2.0)
+    assert found.lowest.tolist() == found.highest.tolist() == [5.0, 1.0]
+    assert (found.named["_COUNT"], found.named["_ABOVE"]) == (1.0, 1.0)
+    late = _watched(memory, [3.0, 1.0], [4.0, 0.0], t=2.0, _NEXT=2.5)
+    assert late.lowest.tolist() == [7.0, 7.0]
+    assert (late.named["_COUNT"], late.named["_NEXT"]) == (0.0, 2.5)
+
+
+@pytest.mark.parametrize(
+    ("y", "coefficients", "time"),
+    [(-1e-3, (0.0, 0.0, 1.0), 0.1), (-0.999, (3.0, -3.0, 1.0), 0.9), (-0.2, (0, 1, 0), 0.2**0.5)],
+)
+def test_the_compiled_search_for_zero_takes_few_steps_where_secants_keep_an_end(
+    y: float, coefficients: tuple[float, float, float], time: float
+) -> None:
+    motion = np.zeros((3, 2, 2))
+    motion[:, 0, 1], motion[0, 1, 0] = coefficients, 1.0
+    memory = _memory((1.0, 1.0), (1.0, 1.0))
+    memory[state_run._OSCILLATES] = 1.0
+    found = _watched(memory, [3.0, y], [0.0, 0.0], motion, _NEXT=0.0)
+    assert abs(found.rows.inside[1]) <= 1e-12
+    # The time of the section, by the other site; where y is flat it is less sharp.
+    assert found.rows.inside[2] == pytest.approx(time, abs=1e-10)
+    assert found.marks[TAKEN] < 20.0
+
+
+UP, DOWN = (2.0, 2.0005), (0.1, 0.1005)
+
+
+@pytest.mark.parametrize(
+    ("sites", "numbers", "first", "breather"),
+    [
+        # the windows of this length that end at t = 5 have been settled since 5, 2.5 or 2.6
+        ([UP, DOWN, DOWN], {}, 5.0, False),
+        ([UP, DOWN, DOWN], {"_FIRST": 2.5}, 2.5, True),
+        ([UP, DOWN, DOWN], {"_FIRST": 2.6}, 2.6, False),
+        ([UP, DOWN, DOWN], {"_FIRST": 2.5, "_ABOVE": 0.0}, -1.0, False),
+        ([UP, DOWN, DOWN], {"_FIRST": 2.5, "_ABOVE": 3.0}, -1.0, False),
+        ([DOWN, DOWN, (2.0, 2.01)], {"_FIRST": 2.5}, -1.0, False),
+        ([UP, (0.9999, 1.0004), DOWN], {"_FIRST": 2.5}, -1.0, False),
+        ([(1.0, 1.0005), DOWN, DOWN], {"_FIRST": 2.5}, -1.0, False),
+        ([(0.9996, 1.0), DOWN, UP], {"_FIRST": 2.5}, -1.0, False),
+        ([UP, DOWN, (0.25, 0.5)], {"_FIRST": 2.5, "_SETTLED": 0.25}, 2.5, True),
+    ],
+)
+def test_the_compiled_stop_condition_names_a_breather_that_has_been_settled_for_half_the_time(
+    sites: list[tuple[float, float]], numbers: dict[str, float], first: float, breather: bool
+) -> None:
+    given = {"_COUNT": 16.0, "_BEGIN": 1.0, "_WINDOW": 4.0, "_ABOVE": 1.0} | numbers
+    at = {"t": 4.0, "y": [3.0, 0.0, 0.0], "w": [0.0] * 3}
+    found = _watched(_memory(*sites), **at, **given)
+    assert found.outcome == (2 if breather else 0)
+    if first > 0.0:
+        assert found.named["_FIRST"] == first
+    else:
+        assert found.named["_FIRST"] < 0.0
+    if not breather:
+        assert [found.named[name] for name in ("_BEGIN", "_COUNT", "_NEXT")] == [5.0, 0.0, 5.0]
+    # Before the end of the window, and where it has too few samples, it goes on.
+    for other in ({"_BEGIN": 1.001}, {"_COUNT": 7.0}):
+        goes_on = given | {"_FIRST": 2.5, "_NEXT": 5.5} | other
+        found = _watched(_memory(*sites), **at, **goes_on)
+        assert found.outcome == 0
+        for name in ("_FIRST", "_BEGIN", "_COUNT", "_NEXT"):
+            assert found.named[name] == goes_on[name]
+
+
+@pytest.mark.parametrize(
+    ("above", "filled", "lasting", "t", "expected", "front"),
+    [
+        (5, -1.0, -1.0, 3.0, (3.0, 3.0), False),
+        (5, 3.0, 1.0, 7.5, (3.0, 1.0), False),
+        (5, 3.0, 1.0, 8.0, (3.0, 1.0), True),
+        (5, 9.0, 1.0, 17.5, (9.0, 1.0), False),
+        (5, 9.0, 1.0, 18.0, (9.0, 1.0), True),
+        (5, 1.0, -1.0, 3.0, (1.0, 3.0), False),
+        (4, 3.0, 1.0, 8.0, (-1.0, 1.0), False),
+        (3, 3.0, 1.0, 8.0, (-1.0, 1.0), False),
+        (2, 3.0, 1.0, 8.0, (-1.0, -1.0), False),
+        (0, 3.0, 1.0, 8.0, (-1.0, -1.0), False),
+    ],
+)
+def test_the_compiled_stop_condition_names_a_front_that_has_been_filled_for_half_the_time(  # noqa: PLR0917  (as the rows)
+    above: int, filled: float, lasting: float, t: float, expected: Any, front: bool
+) -> None:
+    """And for five at least; by the sites above the level at the end of a step of length 1."""
+    up = np.arange(5) < above
+    found = _watched(
+        _memory(*[DOWN] * 5), up * 0.5, ~up * 3.0, [[up * 1.0, ~up * -3.0]], t=t - 1.0,
+        _FILLED=filled, _LASTING=lasting,
+    )  # fmt: skip
+    assert found.outcome == (1 if front else 0)
+    marks = (found.named["_FILLED"], found.named["_LASTING"])
+    assert tuple(each if each >= 0.0 else -1.0 for each in marks) == expected
+
+
+@pytest.mark.parametrize(("size", "rests"), [(0.1, True), (0.3, False)])
+def test_the_compiled_stop_condition_names_a_chain_that_goes_to_rest(
+    size: float, rests: bool
+) -> None:
+    """With no site above the level, whatever the last sample was; at the end of the step."""
+    found = _watched(
+        _memory(UP, DOWN, DOWN), [3.0, 0.0, 0.0], [0.0] * 3, [[[size - 3.0, 0.0, 0.0], [0.0] * 3]],
+        _ABOVE=1.0, _REST_BOUND=0.06, _STIFFNESS=4.0,
+    )  # fmt: skip
+    assert found.outcome == (3 if rests else 0)
+    assert found.named["_ABOVE"] == (0.0 if rests else 1.0)
 
 
 @pytest.mark.parametrize(

@@ -213,6 +213,19 @@ def test_the_energy_rule_is_never_wrong() -> None:
         assert not at_rest_for_ever(1.02 * state.ravel(), stiffness, rest_bound)
 
 
+@pytest.mark.parametrize("stiffness", [0.0, 0.5, 3.0])
+def test_the_energy_is_that_of_all_sites_and_of_the_springs_between_neighbours(
+    stiffness: float,
+) -> None:
+    """Σ(y² + w²) + κΣ(y_n - y_{n-1})², of whole numbers, and below its bound by however little."""
+    for y, w in (([1.0, -3.0, 4.0], [2.0, 0.0, 5.0]), ([4.0], [3.0]), ([-2.0, 1.0], [0.0, 0.0])):
+        state = np.array([*y, *w])
+        twice = float(np.sum(state**2) + stiffness * np.sum(np.diff(y) ** 2))
+        assert at_rest_for_ever(state, stiffness, np.nextafter(twice, np.inf))
+        assert not at_rest_for_ever(state, stiffness, twice)
+        assert not at_rest_for_ever(state, stiffness, 0.75 * twice)
+
+
 @pytest.mark.parametrize("task", [ENVELOPE, FULL])
 def test_labels_and_times_do_not_depend_on_the_sign_of_the_displacement(task: StateTask) -> None:
     for eta, c in ((0.05, 0.5), (0.1, 0.1), (0.12, 0.6)):

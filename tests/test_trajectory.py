@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from tests.one_step import LEFT, RIGHT, TAKEN, steps
 from theory.arrays import FloatArray
 from theory.chains.chain import CHAINS
 from theory.chains.ends import Ends
@@ -35,6 +36,7 @@ from verification.runs.simulate import _with_comparisons, simulate
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers import smooth
+from verification.steppers.active import FOLLOWING, FREE, REST
 from verification.steppers.stop_code import StopCode
 
 FRONT = VdpChain(a=4, b=0.5, c=0.6, sites=8)
@@ -609,6 +611,175 @@ def test_an_arrival_is_where_the_amplitude_first_passes_the_level(end: float) ->
     expected = [math.nan, 10.0 + 2.0 * 0.3, math.nan, 10.0, math.nan, late]
     assert run.arrivals == pytest.approx(expected, abs=1e-12, nan_ok=True)
     assert foremost == (5 if end > 11.0 else 3)
+
+
+# Displacement, then velocity: value at the beginning, and coefficients of t, t² and t³.
+PASSING = [
+    ((0.5, 1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),
+    ((0.9, 2.0, -2.2, 0.0), (0.0, 0.0, 0.0, 0.0)),  # and falls again
+    ((0.9, 4.0, -12.1, 6.9), (0.0, 0.0, 0.0, 0.0)),  # from 0.9 at once, to -0.3
+    ((-0.3, -0.5, 8.6, -6.9), (0.0, 0.0, 0.0, 0.0)),  # the same backwards
+    ((0.6, 0.0, 0.0, 0.0), (0.6, 0.0, 0.0, 0.0)),  # stays below
+    ((-0.5, 3.0, -1.5, 0.0), (0.0, 0.0, 0.0, 0.0)),  # touches the level at the end
+    ((1.5, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),  # is above at the beginning
+    ((0.6, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0)),  # by its velocity
+    ((0.5, 1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),  # has arrived before
+    ((0.9, 0.3, -0.3, 0.0), (0.0, 0.0, 0.0, 0.0)),  # turns below the level
+]
+
+
+def _first_time_above(y: tuple[float, ...], w: tuple[float, ...]) -> float:
+    """Return the first time within a step of length 1 at which y² + w² is 1 or more."""
+    y_up, w_up = np.polynomial.Polynomial(y), np.polynomial.Polynomial(w)
+    excess = y_up**2 + w_up**2 - 1.0
+    if excess(0.0) >= 0.0:
+        return 0.0
+    roots = excess.roots()
+    real = roots.real[np.abs(roots.imag) < 1e-6]
+    return float(min((each for each in real if 0.0 < each < 1.0 + 1e-6), default=math.nan))
+
+
+@pytest.mark.parametrize("trailing", [0, 2])
+@pytest.mark.parametrize("end", [100.0, 10.25])
+def test_the_compiled_loop_finds_the_arrivals_of_sites_that_move_as_cubics(
+    end: float, trailing: int
+) -> None:
+    """The amplitude squared is then of degree 6, and its interpolation exact."""
+    motion = np.moveaxis(np.array(PASSING), 0, -1)
+    state, before = np.zeros((2, 12)), np.full(12, math.nan)
+    state[:, 1:11], before[9] = motion[:, 0], 3.0
+    taken = steps(
+        state, np.moveaxis(motion[:, 1:], 0, 1), window=(1, 11), clock=[10.0, 0.0, 0.0, 0.0, 0.0],
+        arrivals=before, level=1.0, end=end, trailing=trailing,
+    )  # fmt: skip
+    times = 10.0 + np.array([_first_time_above(*each) for each in PASSING])
+    expected = before.copy()
+    expected[1:11] = np.where(times <= end, times, math.nan)
+    expected[9] = 3.0
+    assert np.isfinite(times).sum() == 8
+    assert taken.arrivals == pytest.approx(expected, abs=1e-7, nan_ok=True)  # it is flat at the end
+    sharp = np.delete(np.arange(12), 6)
+    assert taken.arrivals[sharp] == pytest.approx(expected[sharp], abs=1e-13, nan_ok=True)
+    foremost = 8 if end > 11.0 else 7
+    assert taken.counters[smooth.LO] == (foremost - 2 if trailing else 1)
+    assert taken.counters[smooth.HI] == 11
+    ended = smooth.BUDGET if end > 11.0 else smooth.REACHED
+    assert taken.code == (smooth.MOVED if trailing else ended)
+    assert taken.marks[[LEFT, RIGHT]].tolist() == [FOLLOWING if trailing else REST, REST]
+
+
+@pytest.mark.parametrize("trailing", [0, 3])
+@pytest.mark.parametrize(
+    ("window", "sites"),
+    [((9, 31), 100), ((9, 31), 31), ((1, 31), 31), ((0, 30), 31), ((0, 31), 31)],
+)
+def test_the_compiled_loop_widens_its_window_until_margins_are_at_rest(
+    window: tuple[int, int], sites: int, trailing: int
+) -> None:
+    """At rest is also what is as large as that; behind a front sites are left out for good."""
+    low, high = window
+    left = FREE if low == 0 else FOLLOWING if trailing else REST
+    for moving in ((12, 28), (13, 26), (10, 17), (15, 27), (14, 25), (3, 29), (1, 9), ()):
+        inside = [n for n in moving if low <= n < high]
+        state = np.zeros((2, sites))
+        state[0], state[0, inside] = 0.125, -0.2
+        taken = steps(state, window=window, rest=0.125, margin=4, trailing=trailing)
+        first, last = min(inside, default=20), max(inside, default=20)
+        wider = low if trailing else max(0, min(low, first - 4))
+        expected = [wider, min(sites, max(high, last + 5))]
+        assert taken.counters[[smooth.LO, smooth.HI]].tolist() == expected
+        assert taken.code == (smooth.BUDGET if expected == [low, high] else smooth.MOVED)
+        assert taken.marks.tolist() == [1.0, left, FREE if high == sites else REST]
+
+
+def test_parameters_are_those_of_the_middle_of_a_step_and_its_time_that_of_the_beginning() -> None:
+    """Of which 0.25 has been left out by rounding so far; the step has length 1."""
+    count = steps(np.zeros((2, 1))).p.size
+    start = np.arange(1.0, count + 1.0)
+    one, two = np.zeros(count), np.zeros(count)
+    one[3], two[[3, 4]] = 0.5, 1.0
+    for rates in (np.ones(count), np.full(count, -0.7), one, two, 0.0 * one):
+        for place in (-1, 5):
+            taken = steps(
+                np.zeros((2, 1)), clock=[2.0, 0.0, 0.0, 0.0, 0.25], parameters=start, drift=rates,
+                clock_place=place,
+            )  # fmt: skip
+            expected = start + rates * (2.0 + 0.25 + 0.5)
+            if place > 0:
+                expected[place] = 2.25
+            assert taken.p[:6] == pytest.approx(expected[:6], rel=1e-15)
+
+
+def test_samples_are_those_of_their_times_and_of_sites_left_out_the_last_state() -> None:
+    state = np.arange(8.0).reshape(2, 4)
+    motion = np.array([[[1.0, -2.0], [3.0, 0.5]], [[-1.0, 0.7], [0.0, 2.0]]])
+    taken = steps(
+        state, motion, window=(1, 3), clock=[2.0, 0.0, 0.0, 0.0, 0.25],
+        times=[2.25, 2.5, 3.0, 3.25, 3.26],
+    )  # fmt: skip
+    assert taken.counters[smooth.SAMPLED] == 4
+    for sample, t in zip(taken.samples, (0.0, 0.25, 0.75, 1.0), strict=False):
+        expected = state.copy()
+        expected[:, 1:3] += t * motion[0] + t * t * motion[1]
+        assert sample == pytest.approx(expected, abs=1e-14)
+    assert np.isnan(taken.samples[4]).all()
+
+
+@pytest.mark.parametrize("largest_error", [0.0, 1e-3, 0.2, 0.25, 0.9])
+@pytest.mark.parametrize("review", [2.5, 2.6])
+def test_a_step_grows_at_a_review_if_errors_were_below_a_quarter_of_the_tolerance(
+    largest_error: float, review: float
+) -> None:
+    """By the order of the method, up to twofold; errors are forgotten then."""
+    taken = steps(
+        np.zeros((2, 1)), clock=[2.0, 0.5, largest_error, review, 0.0], tolerance=1.0, review=3.0,
+        least_size=1.0,
+    )  # fmt: skip
+    growth = min(2.0, 0.9 * largest_error ** (-1 / 8)) if 0.0 < largest_error < 0.25 else 1.0
+    growth = growth if largest_error else 2.0
+    if review == 2.5:
+        expected = [2.5, 0.5 * growth, 0.0, 5.5, 0.0]
+    else:
+        expected = [2.5, 0.5, largest_error, 2.6, 0.0]
+    assert taken.clock == pytest.approx(expected, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("task", "count", "code", "taken"),
+    [
+        ({"end": 2.0}, 3, smooth.REACHED, 0),
+        ({"end": 2.5}, 1, smooth.REACHED, 1),  # beyond it
+        ({"end": 3.0}, 1, smooth.REACHED, 1),  # upon it
+        ({"end": 3.5}, 1, smooth.BUDGET, 1),
+        ({"end": 3.5}, 3, smooth.REACHED, 2),
+        ({"shortest": 1.0}, 2, smooth.BUDGET, 2),
+        ({"shortest": 1.1}, 2, smooth.TOO_SHORT, 0),
+    ],
+)
+def test_the_compiled_loop_says_how_it_has_ended(
+    task: dict[str, float], count: int, code: int, taken: int
+) -> None:
+    """After steps of length 1 from time 2."""
+    start = [2.0, 0.0, 0.0, 0.0, 0.0]
+    found = steps(np.zeros((2, 1)), [[[1.0], [-2.0]]], count=count, clock=start, **task)
+    assert (found.code, found.marks[TAKEN]) == (code, taken)
+    assert found.rows.x.tolist() == [taken, -2.0 * taken]
+    assert found.clock[0] == 2.0 + taken
+    assert found.counters[[smooth.STEPS, smooth.SITE_STEPS]].tolist() == [taken, taken]
+
+
+@pytest.mark.parametrize("large", [(1.5e308, -1.5e308), (math.inf, 0.0), (0.0, math.nan)])
+def test_a_state_whose_size_is_no_number_ends_the_compiled_loop(large: tuple[float, float]) -> None:
+    for state in (large, large[::-1]):
+        found = steps(np.array(state)[:, None])
+        assert (found.code, found.marks[TAKEN]) == (smooth.NOT_FINITE, 0.0)
+
+
+def test_equal_steps_add_up_where_each_alone_is_lost_to_rounding() -> None:
+    found = steps(np.zeros((2, 1)), count=9, clock=[1.0, 0.0, 0.0, 0.0, 0.0], longest=2.0**-55)
+    assert found.clock[0] + found.clock[4] == 1.0 + 2.0**-52
+    assert found.clock[0] == 1.0 + 2.0**-52
+    assert found.clock[4] == 2.0**-55
 
 
 @pytest.mark.parametrize(

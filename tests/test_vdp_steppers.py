@@ -17,6 +17,7 @@ from scipy.integrate import DOP853, solve_ivp
 from benchmarks.steppers.fixed import fixed_steps
 from benchmarks.steppers.splitting import saba, split_steps
 from benchmarks.steppers.taylor import taylor_steps
+from tests.one_step import steps
 from theory.arrays import ComplexArray, FloatArray
 from theory.chains.ends import Ends
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
@@ -29,6 +30,7 @@ from verification.steppers.active import FOLLOWING, FREE, NETWORK, REST, RING, e
 from verification.steppers.friction_series import taylor_order
 from verification.steppers.kernel import slope_of
 from verification.steppers.runge_kutta import dop853_step, step_error
+from verification.steppers.smooth import compiled_step
 from verification.steppers.specialise import source_mark
 
 CHAIN = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=7)
@@ -187,6 +189,49 @@ def test_the_compiled_slope_is_the_kernel_at_every_site(full: bool, ends: Ends) 
     slope(wave.ravel(), np.array(chain.kernel_parameters()), FREE, FREE, out)
     slope(wave[:, 1:].ravel(), np.array(chain.kernel_parameters()), FOLLOWING, FREE, part)
     assert np.abs(part.reshape(2, 5) - out.reshape(2, 6)[:, 1:]).max() < 1e-14
+
+
+@pytest.mark.parametrize("full", [True, False])
+@pytest.mark.parametrize(
+    ("window", "first", "before", "after"),
+    [
+        ((0, 6), FREE, "end", "end"),
+        ((0, 6), RING, "far end", "far end"),
+        ((0, 6), FOLLOWING, "wave", "end"),
+        ((0, 5), FREE, "end", "rest"),
+        ((1, 6), FREE, "rest", "end"),
+        ((1, 5), FREE, "rest", "rest"),
+        ((1, 3), FREE, "rest", "rest"),
+        ((0, 1), FREE, "end", "rest"),
+    ],
+)
+def test_a_compiled_step_is_that_of_scipy_whatever_is_beyond_its_ends(
+    full: bool, window: tuple[int, int], first: int, before: str, after: str
+) -> None:
+    """The kernel in numpy, with neighbours of both ends by what is said to be there."""
+    chain = _of(VdpChain(a=2.5, b=0.5, c=0.3, eps=0.2, sites=6), full)
+    state = np.random.default_rng(5).standard_normal((2, 6))
+    p, (low, high) = np.array(chain.kernel_parameters()), window
+    ahead, behind = excite(chain, [1, 2], 1.0, quarter_turns=[0, -1])[:, :2].T
+    turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    turn *= 1.0 if np.abs(turn @ behind - ahead).max() < 1e-9 else -1.0
+    assert np.abs(turn @ behind - ahead).max() < 1e-9
+
+    def rate(_: float, z: FloatArray) -> Any:
+        x = z.reshape(2, -1)
+        beyond = {"rest": 0.0 * x[:, 0], "wave": turn @ x[:, 0]}
+        left = {**beyond, "end": x[:, 0], "far end": x[:, -1]}[before]
+        right = {**beyond, "end": x[:, -1], "far end": x[:, 0]}[after]
+        padded = np.column_stack([left, x, right])
+        return np.concatenate(chain.kernel()(x, padded[:, :-2], padded[:, 2:], p))
+
+    found = steps(
+        state, window=window, first=first, step=compiled_step(chain), parameters=p, longest=0.1
+    )
+    exact = solve_ivp(
+        rate, (0.0, 0.1), state[:, low:high].ravel(), "DOP853", rtol=1e-13, atol=1e-14
+    )
+    assert np.abs(found.rows.x - exact.y[:, -1]).max() < 1e-10
 
 
 @pytest.mark.parametrize("full", [True, False])

@@ -2,7 +2,7 @@
 
 Each component of the state is a cubic polynomial of the time since the beginning of a step, whose
 coefficients stand in the place of the parameters of a chain. A Runge-Kutta method would follow it
-exactly, and its slopes are those at the nodes of DOP853.
+exactly, and its slopes are those at the nodes of DOP853; what may be added to these is an error.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ def _cubic(  # noqa: PLR0917  (as a Step)
     x: Any, p: Any, left: int, right: int, h: float, K: Any, out: Any
 ) -> None:
     size = x.size
-    nodes = 3 * size + 3
+    nodes, errors = 3 * size + 3, 3 * size + 3 + K.shape[0]
     for n in range(size):
         v, a, j = p[n], p[size + n], p[2 * size + n]
         for i in range(K.shape[0]):
             t = p[nodes + i] * h
-            K[i, n] = v + t * (2.0 * a + 3.0 * t * j)
+            K[i, n] = v + t * (2.0 * a + 3.0 * t * j) + (n + 1) * p[errors + i]
         out[n] = x[n] + h * (v + h * (a + h * j))
     p[3 * size] += 1.0
     p[3 * size + 1], p[3 * size + 2] = left, right
@@ -49,7 +49,7 @@ _STEP = pointer(_cubic, STEP_SIGNATURE, source_mark(_cubic))
 _NEVER = compiled_condition(smooth._never)
 
 
-def steps(
+def steps(  # noqa: PLR0913  (all but two by name)
     state: Any,
     motion: Any = (),
     *,
@@ -60,6 +60,7 @@ def steps(
     memory: Any = (0.0,),
     watch: Any = _NEVER,
     step: Any = _STEP,
+    errors: Any = 0.0,
     **task: Any,
 ) -> Any:
     """Take steps, by default one of length 1 from time 0; return all that the loop has changed.
@@ -79,6 +80,8 @@ def steps(
     watch, step
         The stop condition, from `compiled_condition`, and the compiled step of a chain in place of
         the known motion.
+    errors : array_like, shape (STAGES,), optional
+        Added to the slope of each stage, once to the first component, twice to the second.
     """
     whole: AnyArray = np.array(state, dtype=float, order="C")
     low, high = window or (0, whole.shape[1])
@@ -86,7 +89,9 @@ def steps(
     if len(motion):
         coefficients[: len(motion)] = motion
     given: dict[str, Any] = {
-        "parameters": np.concatenate([coefficients.ravel(), np.zeros(3), DOP853.C[:STAGES]]),
+        "parameters": np.concatenate(
+            [coefficients.ravel(), np.zeros(3), DOP853.C[:STAGES], np.zeros(STAGES) + errors]
+        ),
         "first": FREE, "end": 1e9, "tolerance": 0.0, "shortest": 0.0, "longest": 1.0,
         "review": 0.0, "rest": -1.0, "margin": 4, "level": math.inf, "trailing": 0,
         "times": np.zeros(0), "clock_place": -1, "least_size": 1e-290,

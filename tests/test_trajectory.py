@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import DOP853, solve_ivp
 
 from tests.one_step import LEFT, RIGHT, TAKEN, steps
 from theory.arrays import FloatArray
@@ -36,7 +36,7 @@ from verification.runs.simulate import _with_comparisons, simulate
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers import smooth
-from verification.steppers.active import FOLLOWING, FREE, REST
+from verification.steppers.active import FOLLOWING, FREE, NETWORK, REST
 from verification.steppers.stop_code import StopCode
 
 FRONT = VdpChain(a=4, b=0.5, c=0.6, sites=8)
@@ -624,8 +624,13 @@ PASSING = [
     ((1.5, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),  # is above at the beginning
     ((0.6, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0)),  # by its velocity
     ((0.5, 1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),  # has arrived before
+    ((1.02, -2.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),  # is just above at the beginning
+    ((0.0, 0.0, 0.0, 0.0), (1.02, -2.0, 0.0, 0.0)),
+    ((0.6, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0)),
     ((0.9, 0.3, -0.3, 0.0), (0.0, 0.0, 0.0, 0.0)),  # turns below the level
 ]
+TOUCHES, EARLIER, LAST = 5, 8, 11
+"""Places among these: at rest at the level; arrived at time 3; the last one that arrives."""
 
 
 def _first_time_above(y: tuple[float, ...], w: tuple[float, ...]) -> float:
@@ -645,24 +650,24 @@ def test_the_compiled_loop_finds_the_arrivals_of_sites_that_move_as_cubics(
     end: float, trailing: int
 ) -> None:
     """The amplitude squared is then of degree 6, and its interpolation exact."""
-    motion = np.moveaxis(np.array(PASSING), 0, -1)
-    state, before = np.zeros((2, 12)), np.full(12, math.nan)
-    state[:, 1:11], before[9] = motion[:, 0], 3.0
+    motion, count = np.moveaxis(np.array(PASSING), 0, -1), len(PASSING)
+    state, before = np.zeros((2, count + 2)), np.full(count + 2, math.nan)
+    state[:, 1:-1], before[1 + EARLIER] = motion[:, 0], 3.0
     taken = steps(
-        state, np.moveaxis(motion[:, 1:], 0, 1), window=(1, 11), clock=[10.0, 0.0, 0.0, 0.0, 0.0],
-        arrivals=before, level=1.0, end=end, trailing=trailing,
+        state, np.moveaxis(motion[:, 1:], 0, 1), window=(1, count + 1),
+        clock=[10.0, 0.0, 0.0, 0.0, 0.0], arrivals=before, level=1.0, end=end, trailing=trailing,
     )  # fmt: skip
     times = 10.0 + np.array([_first_time_above(*each) for each in PASSING])
+    assert np.isfinite(times).sum() == count - 2
     expected = before.copy()
-    expected[1:11] = np.where(times <= end, times, math.nan)
-    expected[9] = 3.0
-    assert np.isfinite(times).sum() == 8
+    expected[1:-1] = np.where(times <= end, times, math.nan)
+    expected[1 + EARLIER] = 3.0
     assert taken.arrivals == pytest.approx(expected, abs=1e-7, nan_ok=True)  # it is flat at the end
-    sharp = np.delete(np.arange(12), 6)
+    sharp = np.arange(count + 2) != 1 + TOUCHES
     assert taken.arrivals[sharp] == pytest.approx(expected[sharp], abs=1e-13, nan_ok=True)
-    foremost = 8 if end > 11.0 else 7
+    foremost = 1 + LAST if end > 11.0 else LAST
     assert taken.counters[smooth.LO] == (foremost - 2 if trailing else 1)
-    assert taken.counters[smooth.HI] == 11
+    assert taken.counters[smooth.HI] == count + 1
     ended = smooth.BUDGET if end > 11.0 else smooth.REACHED
     assert taken.code == (smooth.MOVED if trailing else ended)
     assert taken.marks[[LEFT, RIGHT]].tolist() == [FOLLOWING if trailing else REST, REST]
@@ -693,7 +698,7 @@ def test_the_compiled_loop_widens_its_window_until_margins_are_at_rest(
 
 
 def test_parameters_are_those_of_the_middle_of_a_step_and_its_time_that_of_the_beginning() -> None:
-    """Of which 0.25 has been left out by rounding so far; the step has length 1."""
+    """Of which 0.25 has been left out by rounding so far; the step has length 0.5."""
     count = steps(np.zeros((2, 1))).p.size
     start = np.arange(1.0, count + 1.0)
     one, two = np.zeros(count), np.zeros(count)
@@ -702,12 +707,17 @@ def test_parameters_are_those_of_the_middle_of_a_step_and_its_time_that_of_the_b
         for place in (-1, 5):
             taken = steps(
                 np.zeros((2, 1)), clock=[2.0, 0.0, 0.0, 0.0, 0.25], parameters=start, drift=rates,
-                clock_place=place,
+                clock_place=place, longest=0.5,
             )  # fmt: skip
-            expected = start + rates * (2.0 + 0.25 + 0.5)
+            expected = start + rates * (2.0 + 0.25 + 0.25)
             if place > 0:
                 expected[place] = 2.25
             assert taken.p[:6] == pytest.approx(expected[:6], rel=1e-15)
+
+
+def test_a_network_is_told_its_first_active_site_and_the_number_of_all() -> None:
+    taken = steps(np.zeros((2, 7)), window=(2, 5), first=NETWORK)
+    assert taken.marks[[LEFT, RIGHT]].tolist() == [2.0, 7.0]
 
 
 def test_samples_are_those_of_their_times_and_of_sites_left_out_the_last_state() -> None:
@@ -742,6 +752,38 @@ def test_a_step_grows_at_a_review_if_errors_were_below_a_quarter_of_the_toleranc
     else:
         expected = [2.5, 0.5, largest_error, 2.6, 0.0]
     assert taken.clock == pytest.approx(expected, abs=1e-14)
+
+
+@pytest.mark.parametrize("size", [0.5, 0.9, 3.0, 40.0])
+@pytest.mark.parametrize("scale", [1.0, 1e-3, 1e-200])
+def test_the_error_of_a_compiled_step_is_that_of_its_two_estimates(
+    size: float, scale: float
+) -> None:
+    """e5²/√(e5² + e3²/100) by scipy's weights; a step whose e3 is as large as the state is refused.
+
+    Of two components the second one has twice the error. A state at rest has the least size.
+    """
+    both = np.stack([DOP853.E5[:12], DOP853.E3[:12]])
+    for five, three in ((0.3, -0.2), (-0.1, 0.3), (0.01, 0.4), (1e-9, 0.45)):
+        errors = np.linalg.lstsq(both, 0.5 * scale * np.array([five, three]))[0]
+        taken = steps(
+            np.zeros((2, 1)), clock=[0.0, 1.0, 0.0, 99.0, 0.0], tolerance=2.0, least_size=size,
+            errors=errors,
+        )  # fmt: skip
+        e5, e3 = abs(five) * scale, abs(three) * scale
+        # 1e-200 squared is no number that is not zero; of so small an error e5 is a bound.
+        error = e5 / size * (1.0 if scale < 1e-100 else e5 / math.hypot(e5, 0.1 * e3))
+        assert e3 < size
+        assert taken.marks[TAKEN] == 1.0
+        assert taken.clock[2] == pytest.approx(error / 2.0, rel=1e-6)
+        if scale == 1.0 and five == 0.01:
+            for smaller in (0.399, 0.401):
+                found = steps(
+                    np.zeros((2, 1)), clock=[0.0, 1.0, 0.0, 99.0, 0.0], tolerance=2.0,
+                    least_size=smaller, errors=errors,
+                )  # fmt: skip
+                assert found.marks[TAKEN] == (2.0 if smaller < 0.4 else 1.0)
+                assert found.clock[0] == pytest.approx(0.3 if smaller < 0.4 else 1.0)
 
 
 @pytest.mark.parametrize(

@@ -47,6 +47,7 @@ from verification.cells.vdp import vdp_cell
 from verification.references.equations import variational_rate
 from verification.references.friction_events import run_events
 from verification.steppers import friction_cell_phase as phases
+from verification.steppers.friction_series import law_of, new_numbers, new_work, taylor_order
 
 CELL = FrictionCell()
 DIGITS = 20
@@ -385,6 +386,106 @@ def test_slip_that_begins_at_rest_has_the_maximum_that_scipy_finds(v_d: float) -
     for y in (cell.steady_sliding + 0.02, cell.steady_sliding + 0.1):
         found = friction_cycles._slip_from(cell, y, phases.HIGHEST, 1e-13)
         assert found == pytest.approx((*peak(cell, y), -v_d), abs=1e-11)
+
+
+@pytest.mark.parametrize("excess", [0.03, 0.3, 3.0])
+def test_a_short_slip_forwards_is_an_arc_of_an_oscillation(excess: float) -> None:
+    """Under Coulomb friction, begun at the belt: it ends where it is as far on the other side."""
+    cell = FrictionCell(law="coulomb", xi=0.0)
+    y, v_d = -cell.mu_d - excess, cell.v_d
+    touch, fastest = (
+        friction_cycles._phase(cell, y, 0.0, False, end, tolerance=1e-13, direction=1.0)
+        for end in (phases.TOUCH, phases.SLOWEST)
+    )
+    angle = math.atan2(excess, v_d)
+    assert touch == pytest.approx((2.0 * angle, excess - cell.mu_d, 0.0), abs=1e-11)
+    assert fastest == pytest.approx((angle, -cell.mu_d, math.hypot(excess, v_d) - v_d), abs=1e-11)
+
+
+def first_step(
+    cell: FrictionCell, y: float, velocity: float, tolerance: float
+) -> tuple[float, ...]:
+    """Return the state after one step of slip, in which no end is met: it is given up then."""
+    phase = phases.Phase(
+        numbers=new_numbers(cell, 0.0, tolerance), law=law_of(cell),
+        work=new_work(taylor_order(tolerance)), released=False, end=phases.HIGHEST, longest=1e-9,
+        creep=friction_cycles._NO_CREEP,
+    )  # fmt: skip
+    t, y, w = phases.follow(phase, y, velocity - cell.v_d)
+    assert t == phases.ABANDONED
+    return y, w + cell.v_d
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-12])
+@pytest.mark.parametrize("angle", [3.3, 4.7, 5.1])
+def test_a_step_of_slip_is_as_long_as_the_last_terms_of_its_series_allow(
+    tolerance: float, angle: float
+) -> None:
+    """Those of a circle of y - μ_d and ẏ; a small one is followed by steps of one half."""
+    cell, order = FrictionCell(law="coulomb", xi=0.0), taylor_order(tolerance)
+    for amplitude in (1e8, 0.1):
+        y = cell.mu_d + amplitude * math.cos(angle)
+        y, velocity = first_step(cell, y, -amplitude * math.sin(angle), tolerance)
+        turned = (math.atan2(-velocity, y - cell.mu_d) - angle) % (2.0 * math.pi)
+        size = amplitude * (abs(math.cos(angle)) + abs(math.sin(angle)))
+        terms = [(tolerance * math.factorial(k) / size) ** (1.0 / k) for k in (order - 1, order)]
+        assert turned == pytest.approx(min(*terms, 0.5), rel=1e-6)
+
+
+@pytest.mark.parametrize("law", ["exponential", "stribeck"])
+def test_steep_friction_is_seen_as_slip_returns_to_the_belt_within_a_step(law: str) -> None:
+    """It is e^{-40} or less at first, and has no share in the series from there."""
+    cell = FrictionCell(law=law, v_d=0.5, **{"v0" if law == "exponential" else "v_s": 0.01})
+    y, w = -1.0, -0.4
+
+    def rate(_: float, z: np.ndarray) -> list[float]:
+        friction = friction_coefficient(cell, min(z[1], 0.0))
+        return [z[1] + cell.v_d, friction - 2.0 * cell.xi * (z[1] + cell.v_d) - z[0]]
+
+    def belt(_: float, z: np.ndarray) -> float:
+        return float(z[1])
+
+    belt.terminal = True  # type: ignore[attr-defined]
+    run = solve_ivp(rate, (0.0, 1.0), [y, w], rtol=1e-9, atol=1e-11, max_step=0.01, events=belt)
+    t, y, w = friction_cycles._phase(cell, y, w, False, phases.TOUCH, tolerance=1e-8)
+    assert (t, y) == pytest.approx((run.t_events[0][0], run.y_events[0][0, 0]), abs=1e-6)
+    assert t < 0.5
+
+
+def test_a_turning_point_where_one_step_ends_and_the_next_begins_is_found() -> None:
+    """At seven steps of one half, to rounding, whichever of both computes a change of sign."""
+    cell = FrictionCell(law="coulomb", xi=0.0)
+    for n in range(200):
+        angle = math.pi - 3.5 + (n - 100) * 1e-17
+        amplitude = 0.1 + 1e-3 * n
+        y, velocity = cell.mu_d + amplitude * math.cos(angle), -amplitude * math.sin(angle)
+        found = friction_cycles._phase(
+            cell, y, velocity - cell.v_d, False, phases.LOWEST, tolerance=1e-6
+        )
+        assert found == pytest.approx((3.5, cell.mu_d - amplitude, -cell.v_d), abs=1e-7)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_slip_is_not_fastest_where_its_acceleration_is_negative_throughout(
+    tolerance: float,
+) -> None:
+    """It rises and falls again below zero within the first step, where friction bends."""
+    cell = FrictionCell(law="stribeck", v_s=0.1, xi=2.0)
+    w, acceleration = -0.01, -2.0
+
+    def rate(_: float, z: np.ndarray) -> list[float]:
+        drag = 2.0 * cell.xi * (z[1] + cell.v_d)
+        return [z[1] + cell.v_d, friction_coefficient(cell, -z[1]) - drag - z[0]]
+
+    y = rate(0.0, np.array([0.0, w]))[1] - acceleration
+    times = np.linspace(0.0, 8.0, 401)
+    run = solve_ivp(rate, (0.0, 8.0), [y, w], "LSODA", times, rtol=1e-8, atol=1e-10)
+    slopes = np.array([rate(0.0, z)[1] for z in run.y.T])
+    assert acceleration < slopes[1] < 0.0
+    assert slopes[2] < acceleration
+    assert slopes.max() < 0.0
+    t, _, _ = friction_cycles._phase(cell, y, w, False, phases.FASTEST, tolerance=tolerance)
+    assert t == phases.FAILED
 
 
 def test_an_expanded_cycle_of_a_bent_curve_returns_in_scipy_within_its_error() -> None:
@@ -1497,6 +1598,16 @@ def test_slip_that_never_turns_leaves_no_room_for_cycles_without_stick() -> None
     )  # fmt: skip
     found = friction_cell(given, 1e-8)
     assert (found.status, found.stable_cycle) == (CellStatus.SLIDING, None)
+
+
+def test_slip_creeps_from_the_lowest_point_on_and_nowhere_if_damping_is_weak() -> None:
+    """That of release with the belt, if it is far enough; and at rest not even at y = 0."""
+    given = FrictionCell(xi=2.5)
+    where = friction_cycles.creep(given)
+    assert where.lowest == given.release
+    assert phases._creeps.py_func(where, given.release, 0.0, given.v_d)
+    assert not phases._creeps.py_func(where, given.release, 0.5, given.v_d)  # beyond the belt
+    assert not phases._creeps.py_func(friction_cycles._NO_CREEP, 0.0, -given.v_d, given.v_d)
 
 
 def test_motion_outside_the_wedge_is_followed() -> None:

@@ -6,6 +6,7 @@ import math
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
@@ -59,23 +60,32 @@ from verification.steppers.friction_series import (
     POLYNOMIAL,
     RELEASED,
     REST,
+    ROWS,
     SLIDING,
     START,
     STEEPEST,
+    STEP,
+    SUM,
     V_D,
     W,
     Y,
     _largest_bend,
     _polish,
     _seen,
+    _stays_positive,
     absolute_sum,
+    absolute_sums,
     first_root,
     friction_outer,
     law_of,
     new_numbers,
     new_work,
+    one_way,
+    resolved,
     shift,
     site_value,
+    site_values,
+    taylor_order,
     term_length,
     value_at,
 )
@@ -777,17 +787,17 @@ def test_a_first_root_is_the_first_of_all_roots_of_a_polynomial() -> None:
     """Monotonic, bent and waving polynomials, against the eigenvalues of numpy."""
     rng = np.random.default_rng(3)
     # Falling coefficients: the first three terms often decide, at the slower rates they do not.
-    rates = rng.choice([0.2, 0.5, 1.0, 2.0], size=(400, 1))
-    polynomials = rng.standard_normal((400, 8)) * rates ** np.arange(8)
-    polynomials[:, 0] = rng.uniform(0.0, 1.0, 400)
+    rates = rng.choice([0.2, 0.5, 1.0, 2.0], size=(200, 1))
+    polynomials = rng.standard_normal((200, 8)) * rates ** np.arange(8)
+    polynomials[:, 0] = rng.uniform(0.0, 1.0, 200)
     # Roots that are close to each other: a parabola that just crosses, or just does not.
-    gap = np.tile([1e-3, -1e-3], 50)
-    middle = rng.uniform(0.2, 0.8, 100)
-    polynomials[:100] = 0.0
-    polynomials[:100, :3] = np.column_stack(
-        [middle**2 - np.sign(gap) * gap**2, -2 * middle, np.ones(100)]
+    gap = np.tile([1e-3, -1e-3], 25)
+    middle = rng.uniform(0.2, 0.8, 50)
+    polynomials[:50] = 0.0
+    polynomials[:50, :3] = np.column_stack(
+        [middle**2 - np.sign(gap) * gap**2, -2 * middle, np.ones(50)]
     )
-    found = np.zeros(400)
+    found = np.zeros(200)
     first_roots(new_work(7), polynomials, found)
     for coefficients, root in zip(polynomials, found, strict=True):
         roots = np.polynomial.Polynomial(np.trim_zeros(coefficients, "b")).roots()
@@ -798,7 +808,7 @@ def test_a_first_root_is_the_first_of_all_roots_of_a_polynomial() -> None:
         else:
             # Of roots 2e-3 apart numpy has some 13 digits, of others 14.
             assert root == pytest.approx(inside.min(), rel=1e-11)
-    assert 100 < np.isfinite(found).sum() < 300
+    assert 50 < np.isfinite(found).sum() < 150
 
 
 @pytest.mark.parametrize(
@@ -823,6 +833,149 @@ def test_a_line_or_a_parabola_has_its_first_root(coefficients: list[float], root
     found = np.zeros(1)
     first_roots(new_work(len(coefficients) - 1), np.array([coefficients]), found)
     assert found[0] == pytest.approx(root, rel=1e-15)
+
+
+@friction_outer
+def proofs(work: np.ndarray, polynomials: np.ndarray, h: float, found: np.ndarray) -> None:
+    """Of each polynomial, whether it is proved to be positive on [0, h], and monotonic."""
+    degree = polynomials.shape[1] - 1
+    for i in range(found.shape[0]):
+        found[i, 0] = 1.0 if _stays_positive(polynomials[i], degree, h) else 0.0
+        found[i, 1] = 1.0 if one_way(polynomials[i], degree, h, work[0]) else 0.0
+
+
+def excess(f: list[float], h: float) -> tuple[Fraction, Fraction]:
+    """By how much the first three terms outweigh the others on [0, h], and the sum of their sizes.
+
+    In exact arithmetic.
+    """
+    terms = [Fraction(each) * Fraction(h) ** k for k, each in enumerate(f)]
+    first, slope, bend = (terms + [Fraction(0)] * 2)[:3]
+    least = min(first, first + slope + bend)
+    if slope < 0 < 2 * bend + slope:
+        least = first - slope**2 / (4 * bend)
+    others = sum(map(abs, terms[3:]), Fraction(0))
+    return least - others, first + abs(slope) + abs(bend)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2, 3, 6])
+def test_a_polynomial_is_proved_positive_or_monotonic_if_three_terms_outweigh_the_others(
+    degree: int,
+) -> None:
+    """None that is not, and all but those that rounding may decide; of any size."""
+    rng, h, parts = np.random.default_rng(SEED + degree), 0.7, []
+    for _ in range(300):
+        f = rng.standard_normal(degree + 1) * 10.0 ** rng.uniform(-6.0, 0.0, degree + 1)
+        f[3:] *= 1e-3
+        f *= 10.0 ** rng.uniform(-6.0, 6.0)
+        # The first term is what the others need, or a little more or less.
+        near = rng.choice([-1e-13, -1e-15, 0.0, 0.0, 1e-13, 1e-12])
+        lacking, size = excess([0.0, *f[1:]], h)
+        need = float(-lacking)
+        f[0] = need + near * (need + float(size)) if degree else f[0]
+        parts.append(f)
+    parts[0] = np.zeros(degree + 1)
+    found = np.zeros((len(parts), 2))
+    proofs(new_work(degree), np.array(parts), h, found)
+    slopes = np.zeros_like(found)
+    rates = [np.polynomial.polynomial.polyder(f) if degree else np.zeros(1) for f in parts]
+    if degree:
+        # An integral of each of them from zero is monotonic if it is positive, or negative.
+        whole = [np.polynomial.polynomial.polyint(f) for f in parts]
+        proofs(new_work(degree + 1), np.array(whole) * (-1.0) ** np.arange(len(parts))[:, None],
+               h, slopes)  # fmt: skip
+        rates = [np.polynomial.polynomial.polyder(f) for f in whole]
+    counts = [0, 0]
+    for f, rate, positive, monotonic in zip(parts, rates, found[:, 0], slopes[:, 1], strict=True):
+        for each, proved in ((f, positive), (rate, monotonic))[: 2 if degree else 1]:
+            margin, size = excess(each.tolist(), h)
+            if margin <= 0:
+                assert proved == 0.0, each
+            elif margin > Fraction(2, 10**14) * size:
+                assert proved == 1.0, each
+            counts[margin <= 0] += 1
+    assert min(counts) > 0
+
+
+@friction_outer
+def resolved_steps(
+    series: np.ndarray,
+    numbers: np.ndarray,
+    law: tuple[float, ...],
+    side: float,
+    steps: np.ndarray,
+) -> None:
+    """Shorten the step of each site to one over which its series resolves friction."""
+    for n in range(steps.size):
+        steps[n] = resolved(series, numbers, law, n, side, steps[n])
+
+
+@pytest.mark.parametrize("law", [FrictionLaw.EXPONENTIAL, FrictionLaw.STRIBECK])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(("scale", "tolerance"), [(0.02, 1e-6), (0.5, 1e-12), (3.0, 1e-9)])
+def test_a_step_is_halved_until_it_resolves_friction_on_the_way_to_stick(
+    law: FrictionLaw, side: float, scale: float, tolerance: float
+) -> None:
+    """Towards stick along a parabola, whose turning point is half-way between two samples."""
+    rng, sites, order = np.random.default_rng(SEED), 80, taylor_order(tolerance)
+    stribeck = law is FrictionLaw.STRIBECK
+    cell = FrictionCell(law=law, **{"v_s" if stribeck else "v0": scale})  # type: ignore[arg-type]
+
+    def left_out(x: float, u: float) -> float:
+        if stribeck:
+            hermite = 1.09 * (math.sqrt(2.0) * x) ** order / math.sqrt(math.factorial(order))
+            return math.exp(-0.5 * u * u) * hermite
+        return math.exp(-u) * x**order / math.factorial(order) if x > 1.0 else 0.0
+
+    steps, turns = rng.choice([0.3, 0.6], sites), (2 * rng.integers(8, 16, sites) + 1) / 32.0
+    ways, ends = rng.uniform(2.0, 12.0, sites), np.zeros(sites)
+    for n, x in enumerate(ways):
+        # It turns where the bound allows it, or somewhat nearer or farther.
+        power = max(0.0, math.log(left_out(x, 0.0) / tolerance))
+        asked = math.sqrt(2.0 * power) if stribeck else power
+        ends[n] = max(0.1, asked + rng.uniform(-1.0, 1.0) * (0.1 if n % 2 else 1.0))
+    bends = ways * scale / (steps * turns) ** 2
+    series = np.zeros((4, order + 1, sites))
+    series[1, 0] = side * scale * (ends + ways)
+    series[1, 1] = -2.0 * side * bends * steps * turns
+    series[1, 2] = side * bends
+    found = steps.copy()
+    resolved_steps(series, new_numbers(cell, 0.1, tolerance), law_of(cell), side, found)
+    kept = [left_out(x, u) <= tolerance for x, u in zip(ways, ends, strict=True)]
+    assert (found == steps).tolist() == kept
+    assert 20 < sum(kept) < sites - 20
+    for n, h in enumerate(found):
+        assert h > 0.0
+        assert math.log2(steps[n] / h).is_integer()
+        part = min(h / steps[n], turns[n])
+        nearest = scale * ends[n] + bends[n] * (steps[n] * (turns[n] - part)) ** 2
+        start = scale * (ends[n] + ways[n])
+        assert left_out((start - nearest) / scale, nearest / scale) <= tolerance
+
+
+@pytest.mark.parametrize("law", [FrictionLaw.EXPONENTIAL, FrictionLaw.STRIBECK])
+def test_a_step_away_from_stick_or_towards_it_at_one_rate_is_halved_if_it_must(
+    law: FrictionLaw,
+) -> None:
+    sites, tolerance, order, scale = 60, 1e-9, taylor_order(1e-9), 0.1
+    stribeck = law is FrictionLaw.STRIBECK
+    cell = FrictionCell(law=law, **{"v_s" if stribeck else "v0": scale})  # type: ignore[arg-type]
+    starts = np.linspace(0.0, 2.0, sites)
+    series = np.zeros((4, order + 1, sites))
+    series[1, 0] = -starts
+    numbers, found = new_numbers(cell, 0.1, tolerance), np.full(sites, 0.7)
+    series[1, 1] = -3.0
+    resolved_steps(series, numbers, law_of(cell), -1.0, found)
+    assert found.tolist() == [0.7] * sites
+    series[1, 1], found[:] = 2.0 * starts, 0.5  # to stick itself
+    resolved_steps(series, numbers, law_of(cell), -1.0, found)
+    for start, h in zip(starts, found, strict=True):
+        x = start / scale
+        if stribeck:
+            most = (math.sqrt(2.0) * x) ** order / math.sqrt(math.factorial(order)) * 1.09
+        else:
+            most = x**order / math.factorial(order) if x > 1.0 else 0.0
+        assert (h == 0.5) == (most <= tolerance)
 
 
 @pytest.mark.parametrize("v_d", [0.01, 0.5, 1.25])
@@ -1020,8 +1173,13 @@ def test_a_series_resolves_friction_if_the_term_beyond_is_below_the_tolerance(
     for order, tolerance in ((11, 1e-6), (18, 1e-12)):
         numbers = new_numbers(cell, 0.1, tolerance)
         allowed = math.log(tolerance) + math.log(math.factorial(order))
-        for x in (0.0, 0.05, 0.2, 0.9, 1.1, 2.0, 5.0, 20.0):
-            for u in (0.0, 1.0, 5.0, 20.0, 60.0):
+        for u in (0.0, 1.0, 5.0, 20.0, 35.0):
+            # Where the term is the tolerance, and a thousandth of this to either side of it.
+            edge = (tolerance * math.factorial(order) * math.exp(u)) ** (1.0 / order)
+            if law is FrictionLaw.STRIBECK:
+                size = tolerance / 1.09 * math.exp(0.5 * u * u) * math.sqrt(math.factorial(order))
+                edge = size ** (1.0 / order) / math.sqrt(2.0)
+            for x in (0.0, 0.05, 0.2, 0.9, 1.1, 2.0, 5.0, 20.0, 0.999 * edge, 1.001 * edge):
                 small = math.exp(-u) * x**order / math.factorial(order) <= tolerance
                 if law is FrictionLaw.STRIBECK:
                     hermite = (math.sqrt(2.0) * x) ** order / math.sqrt(math.factorial(order))
@@ -1496,6 +1654,16 @@ def test_series_and_their_bounds_are_those_of_polynomials_of_numpy() -> None:
         assert rate_of(series, 1, h) == pytest.approx(largest.deriv()(h), rel=1e-12)
         compiled: Any = value_at
         assert compiled.py_func(series[:, 1], order, h) == pytest.approx(exact(h), rel=1e-12)
+        site, every = np.zeros((ROWS, 3)), np.polynomial.Polynomial
+        compiled = absolute_sums
+        compiled.py_func(series, site, 0, 3, h)
+        sums = [every(np.abs(series[:, n]))(h) - abs(series[0, n]) for n in range(3)]
+        assert site[SUM] == pytest.approx(sums, rel=1e-12)
+        site[STEP] = h, 0.5 * h, -h
+        compiled = site_values
+        compiled.py_func(series, site, 0, 3)
+        values = [every(series[:, n])(site[STEP, n]) for n in range(3)]
+        assert site[SUM] == pytest.approx(values, rel=1e-12, abs=1e-14)
         later, compiled = np.zeros(order + 1), shift
         compiled.py_func(series, 1, h, later)
         moved = exact(np.polynomial.Polynomial([h, 1.0])).coef
@@ -1504,7 +1672,7 @@ def test_series_and_their_bounds_are_those_of_polynomials_of_numpy() -> None:
 
 def test_a_series_holds_until_one_of_its_last_two_terms_is_the_tolerance() -> None:
     compiled: Any = term_length
-    for before, last in ((3.0, 1e-3), (1e-3, 3.0), (0.0, 2.0), (2.0, 0.0)):
+    for before, last in ((3.0, 1e-3), (1e-3, 3.0), (0.0, 2.0), (2.0, 0.0), (0.0, 0.5), (0.5, 0.0)):
         h = compiled.py_func(before, last, 12, 1e-9)
         assert max(before * h**11, last * h**12) == pytest.approx(1e-9, rel=1e-12)
     assert compiled.py_func(0.0, 0.0, 12, 1e-9) == np.inf

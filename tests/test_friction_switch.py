@@ -14,7 +14,14 @@ from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
 from verification.cells.friction import stick_slip_cycle
-from verification.references.switch_model import _Record, _right_side, _take_samples, run_switch
+from verification.references.switch_model import (
+    _error_of_step,
+    _Record,
+    _right_side,
+    _Rule,
+    _take_samples,
+    run_switch,
+)
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 
@@ -188,6 +195,82 @@ def test_each_site_has_the_right_side_of_its_speed_and_load(ends: Ends, mu_st: f
         assert out[:, n] == pytest.approx(expected, abs=1e-14)
     assert set(kinds) == {0, 1, 2, -2}
     assert sticks.tolist() == [kind == 1 for kind in kinds]
+
+
+# Friction that does not vary, to 1e-14, and a belt that no site reaches: its motion is linear.
+CONSTANT = FrictionCell(mu_st=1.0, mu_d=0.999999, v0=1e9, xi=0.1, v_d=10.0)
+
+
+def trapezoid(z: np.ndarray, h: float) -> np.ndarray:
+    """One step of the trapezoidal rule for a site that slips backwards under constant friction."""
+    matrix = np.array([[0.0, 1.0], [-1.0, -2.0 * CONSTANT.xi]])
+    ahead, behind = (np.eye(2) + part * h * matrix for part in (0.5, -0.5))
+    return np.linalg.solve(behind, ahead @ z + h * np.array([0.0, CONSTANT.mu_st]))
+
+
+@pytest.mark.parametrize("angle", [0.3, 0.8, 2.5, 4.0, 5.5])
+def test_steps_of_linear_motion_are_those_of_the_trapezoidal_rule(angle: float) -> None:
+    """Of fixed length, or five times longer each where every error is allowed, from 1e-4 on."""
+    z = np.array([CONSTANT.mu_st + np.cos(angle), np.sin(angle)])
+    longer = 1e-4 * 5.0 ** np.arange(5)
+    for options, end, steps in (
+        ({"step": 0.1}, 0.3, [0.1] * 3),
+        ({"absolute": 1e6}, 0.2, [*longer, 0.2 - longer.sum()]),
+    ):
+        chain = FrictionChain.of(CONSTANT, c=0.0, sites=1)
+        run = run_switch(chain, z[:, None], end, samples=2, **options)  # type: ignore[arg-type]
+        expected = z
+        for h in steps:
+            expected = trapezoid(expected, h)
+        assert (run.steps, run.rejected, run.unconverged) == (len(steps), 0, 0)
+        assert [run.y[-1, 0], run.velocity[-1, 0]] == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize(("error", "rejected"), [(0.5, 0), (1.5, 1), (8.0, 1), (1e3, 2), (1e5, 3)])
+def test_a_step_is_refused_until_its_error_is_allowed(error: float, rejected: int) -> None:
+    """Its error goes with its cube, and is to be 0.9³; it becomes a fifth as long at most.
+
+    That of the first step, 1e-4 long, is taken to be its length cubed times ÿ/12.
+    """
+    cell = FrictionCell(mu_st=1e3, mu_d=999.0, v0=1e9, xi=0.1, v_d=10.0)
+    absolute = 1e-12 * cell.mu_st / 12.0 / error
+    run = run_switch(
+        FrictionChain.of(cell, c=0.0, sites=1), np.zeros((2, 1)), 1e-4, relative=1e-13,
+        absolute=absolute,
+    )  # fmt: skip
+    assert run.rejected == rejected
+
+
+def test_steps_are_as_many_as_the_third_derivatives_of_an_oscillation_ask_for() -> None:
+    """Each errs by 0.9³ of what is allowed, in y or in its velocity, whichever errs more."""
+    cell = FrictionCell(mu_st=1.0, mu_d=0.999999, v0=1e9, xi=0.0, v_d=10.0)
+    start, end, absolute = np.array([[cell.mu_st + 1.0], [0.0]]), 2.0 * np.pi, 1e-9
+    run = run_switch(
+        FrictionChain.of(cell, c=0.0, sites=1), start, end, relative=1e-13, absolute=absolute
+    )
+    t = np.linspace(0.0, end, 10_001)
+    third = np.maximum(np.abs(np.sin(t)), np.abs(np.cos(t)))
+    expected = end * np.mean((third / (12.0 * absolute)) ** (1.0 / 3.0)) / 0.9
+    assert run.steps == pytest.approx(expected, rel=0.01)
+    assert run.rejected == 0
+
+
+def test_the_error_of_a_step_is_that_of_its_third_derivative() -> None:
+    """Of cubics, whose third derivative is the same everywhere."""
+    rng, sites = np.random.default_rng(7), 2
+    compiled: Any = _error_of_step
+    for _ in range(30):
+        motions = [np.polynomial.Polynomial(rng.standard_normal(4)) for _ in range(2 * sites)]
+        past, h, absolute, relative = rng.uniform(0.1, 0.5, 4)
+
+        def at(time: float, order: int, motions: list[Any] = motions) -> np.ndarray:
+            return np.array([(m.deriv(order) if order else m)(time) for m in motions])
+
+        rule = _Rule(np.zeros(7), True, 1.0, 0.0, relative, absolute)
+        ends = [tuple(at(time, order).reshape(2, sites) for time in (0.0, h)) for order in (0, 1)]
+        found = compiled.py_func(rule, ends[0], at(-past, 1).reshape(2, sites), ends[1], (past, h))
+        size = absolute + relative * np.maximum(np.abs(at(0.0, 0)), np.abs(at(h, 0)))
+        assert found == pytest.approx(np.max(np.abs(at(0.0, 3)) * h**3 / 12.0 / size), rel=1e-9)
 
 
 def test_a_last_step_shorter_than_the_shortest_is_taken() -> None:

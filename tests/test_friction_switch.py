@@ -197,6 +197,19 @@ def test_each_site_has_the_right_side_of_its_speed_and_load(ends: Ends, mu_st: f
     assert sticks.tolist() == [kind == 1 for kind in kinds]
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_site_that_all_of_static_friction_can_hold_sticks(side: float) -> None:
+    """And one unit in the last place beyond it does not."""
+    mu_st, v_d = 0.7, 1.25
+    z, out = np.array([side * mu_st * np.ones(2), [v_d, v_d]]), np.zeros((2, 2))
+    z[0, 1] = side * np.nextafter(mu_st, 1.0)
+    sticks = np.full(2, -1)
+    compiled: Any = _right_side
+    compiled.py_func(z, np.array([mu_st, 0.3, 0.5, 0.0, v_d, 0.0, 1e-4]), True, out, sticks)
+    assert sticks.tolist() == [1, 0]
+    assert out == pytest.approx(np.array([[v_d, v_d], [0.0, 0.0]]), abs=1e-15)
+
+
 # Friction that does not vary, to 1e-14, and a belt that no site reaches: its motion is linear.
 CONSTANT = FrictionCell(mu_st=1.0, mu_d=0.999999, v0=1e9, xi=0.1, v_d=10.0)
 

@@ -461,7 +461,7 @@ def test_steep_friction_is_seen_as_slip_returns_to_the_belt_within_a_step(law: s
 def test_a_turning_point_where_one_step_ends_and_the_next_begins_is_found() -> None:
     """At seven steps of one half, to rounding, whichever of both computes a change of sign."""
     cell, angle = FrictionCell(law="coulomb", xi=0.0), math.pi - 3.5
-    for amplitude in np.linspace(0.1, 0.3, 100).tolist():
+    for amplitude in np.linspace(0.1, 0.3, 397).tolist():
         y, velocity = cell.mu_d + amplitude * math.cos(angle), -amplitude * math.sin(angle)
         found = friction_cycles._phase(
             cell, y, velocity - cell.v_d, False, phases.LOWEST, tolerance=1e-14

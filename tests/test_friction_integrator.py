@@ -1595,6 +1595,38 @@ def test_a_site_gets_new_series_as_far_as_its_new_motion_is_felt() -> None:
     assert renewed.tolist() == [19, 20, 21, 22, 23]
 
 
+def test_a_site_that_sticks_gets_new_series_as_far_as_its_old_motion_was_expected() -> None:
+    """Beyond the velocity of the belt friction continued as in slip would rise exponentially."""
+    cell = FrictionCell(mu_st=1.0, mu_d=0.5, xi=0.0, v0=0.1, v_d=1.0)
+    c, tolerance, sites, length = 0.05, 1.8e-4, 41, 0.3
+    own = np.full(sites, 2.0)
+    own[[0, -1]] = 1.0
+    start = np.array([np.full(sites, cell.steady_sliding), np.zeros(sites)])
+    start[:, 20] = 0.0, cell.v_d - 0.1
+    first, run = (
+        friction.new_run(new_numbers(cell, c, tolerance), law_of(cell), start.copy(), own,
+                         times=np.zeros(0), logged=9, order=16)
+        for _ in range(2)
+    )  # fmt: skip
+    assert renew(first, 1, sites + 1, 0.0, -length) == length
+    assert friction.advance(run, length, 1) == StopCode.REACHED
+    assert run.log[:, 1:].tolist() == [[21, BEGINS], *[[0, 0]] * 8]
+    times = np.linspace(run.log[0, 0], length, 100)
+    change = abs(np.polynomial.Polynomial(first.series[W, :, 21]).deriv()(times)).max()
+    left, drag = length - times[0], run.numbers[DRAG] + run.numbers[STEEPEST]
+    rate = np.roots([1.0, -drag, -(1.0 + 2.0 * c)]).max()
+    growth = math.exp(rate * left) * math.cosh(c * left**2)
+    for part in (1.0, 20.0):  # not nearer, and no farther than a bound that is not wasteful
+        needed = [
+            c * part * change * growth * c**d * left ** (2 * d + 2) / math.factorial(2 * d + 2)
+            <= 0.01 * tolerance
+            for d in range(4)
+        ]
+        assert needed == [False, False, True, True]
+    renewed = np.flatnonzero((run.series[Y] != first.series[Y]).any(axis=0))
+    assert renewed.tolist() == [19, 20, 21, 22, 23]
+
+
 def test_a_site_released_at_the_end_of_a_frame_is_not_stopped_by_rounding() -> None:
     """Its acceleration is zero exactly, whichever numbers cancel in it."""
     rng = np.random.default_rng(SEED)

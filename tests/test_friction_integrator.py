@@ -1490,6 +1490,7 @@ def test_the_last_turning_points_are_those_of_a_damped_oscillator(
     assert run.counters[friction.SAMPLED] == times.size
     assert not room[-1].any()
     assert run.counters[friction.FRAMES] < 10
+    assert run.counters[friction.LOCAL] == 0  # of less than 16 series none expires in a frame
     # It starts at rest, at a point at which it does not turn.
     turn = COULOMB.mu_d + size[:, None] * (-math.exp(-math.pi * xi / omega)) ** np.arange(6)
     for k, t in enumerate(times):

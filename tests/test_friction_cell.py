@@ -466,6 +466,32 @@ def test_steep_friction_is_seen_as_slip_returns_to_the_belt_within_a_step(law: s
     assert t < 0.5
 
 
+def test_steps_towards_stick_are_halved_until_they_resolve_the_growth_of_friction() -> None:
+    """So far from stick that friction is still constant: its bound is that of ``resolved``."""
+    cell, tolerance = FrictionCell(v0=0.01, xi=0.0), 1e-6
+    order, lengths = taylor_order(tolerance), []
+    for n in range(60):
+        start, pull = (70.0 + n) * cell.v0, 1.0
+        angle = math.atan2(cell.v_d - start, pull) + math.pi
+        amplitude = math.hypot(pull, cell.v_d - start)
+        state = cell.mu_d + amplitude * math.cos(angle), -amplitude * math.sin(angle)
+        y, velocity = first_steps(cell, state, 1e-9, tolerance)
+        h = (math.atan2(-velocity, y - cell.mu_d) - angle) % (2.0 * math.pi)
+        left_out = []
+        for length in (h, 2.0 * h):
+            times = np.linspace(0.0, length, 1001)
+            w = -amplitude * np.sin(angle + times) - cell.v_d
+            u = -w.max() / cell.v0
+            x = start / cell.v0 - u
+            left_out.append(math.exp(-max(u, 0.0)) * x**order / math.factorial(order))
+        assert math.log2(0.5 / h) == pytest.approx(round(math.log2(0.5 / h)), abs=1e-6)
+        assert left_out[0] <= tolerance
+        # The bound takes the way between two samples to be somewhat longer than it is.
+        assert h > 0.49 or left_out[1] > 0.5 * tolerance
+        lengths.append(round(math.log2(0.5 / h)))
+    assert len(set(lengths)) > 1
+
+
 def test_a_turning_point_where_one_step_ends_and_the_next_begins_is_found() -> None:
     """At seven steps of one half, to rounding, whichever of both computes a change of sign."""
     cell, angle = FrictionCell(law="coulomb", xi=0.0), math.pi - 3.5

@@ -673,7 +673,7 @@ def test_the_compiled_loop_finds_the_arrivals_of_sites_that_move_as_cubics(
     assert taken.marks[[LEFT, RIGHT]].tolist() == [FOLLOWING if trailing else REST, REST]
 
 
-@pytest.mark.parametrize("trailing", [0, 3])
+@pytest.mark.parametrize("trailing", [0, 1, 3])
 @pytest.mark.parametrize(
     ("window", "sites"),
     [((9, 31), 100), ((9, 31), 31), ((1, 31), 31), ((0, 30), 31), ((0, 31), 31)],
@@ -684,17 +684,19 @@ def test_the_compiled_loop_widens_its_window_until_margins_are_at_rest(
     """At rest is also what is as large as that; behind a front sites are left out for good."""
     low, high = window
     left = FREE if low == 0 else FOLLOWING if trailing else REST
-    for moving in ((12, 28), (13, 26), (10, 17), (15, 27), (14, 25), (3, 29), (1, 9), ()):
-        inside = [n for n in moving if low <= n < high]
-        state = np.zeros((2, sites))
-        state[0], state[0, inside] = 0.125, -0.2
-        taken = steps(state, window=window, rest=0.125, margin=4, trailing=trailing)
-        first, last = min(inside, default=20), max(inside, default=20)
-        wider = low if trailing else max(0, min(low, first - 4))
-        expected = [wider, min(sites, max(high, last + 5))]
-        assert taken.counters[[smooth.LO, smooth.HI]].tolist() == expected
-        assert taken.code == (smooth.BUDGET if expected == [low, high] else smooth.MOVED)
-        assert taken.marks.tolist() == [1.0, left, FREE if high == sites else REST]
+    for moving in ((12, 28), (13, 26), (10, 17), (15, 27), (14, 25), (3, 29), (1, 4, 9), ()):
+        for rest in (0.125, 0.0):
+            inside = [n for n in moving if low <= n < high]
+            state = np.zeros((2, sites))
+            state[0], state[0, inside] = rest, -0.2
+            taken = steps(state, window=window, rest=rest, margin=4, trailing=trailing)
+            expected = [low, high]
+            if inside:
+                wider = low if trailing else max(0, min(low, min(inside) - 4))
+                expected = [wider, min(sites, max(high, max(inside) + 5))]
+            assert taken.counters[[smooth.LO, smooth.HI]].tolist() == expected
+            assert taken.code == (smooth.BUDGET if expected == [low, high] else smooth.MOVED)
+            assert taken.marks.tolist() == [1.0, left, FREE if high == sites else REST]
 
 
 def test_parameters_are_those_of_the_middle_of_a_step_and_its_time_that_of_the_beginning() -> None:

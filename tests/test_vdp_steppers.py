@@ -346,12 +346,16 @@ def test_series_are_multiplied_and_summed_as_by_numpy() -> None:
 def test_a_wave_goes_on_beyond_the_left_end_with_the_phase_step_of_its_chain(
     turns: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """In the place of its slope each site has its left neighbour, or its right one."""
+    """In the place of its slope each site has its left neighbour, or its right one.
+
+    So it has at rest beyond both ends, and on a ring.
+    """
     monkeypatch.setattr(kernel, "inner", lambda **_: lambda function: function)
     monkeypatch.setattr(kernel, "fast", lambda function: function)
     monkeypatch.setattr(kernel, "to_fixed_tuple", lambda values, count: tuple(values[:count]))
     chain = SimpleNamespace(network=None, kernel_layout=(3,), front_phase_step=turns)
     wave = excite(CHAIN, range(1, 8), 3.0, quarter_turns=[turns * n for n in range(7)])
+    wave += excite(CHAIN, range(1, 8), 2.0, quarter_turns=[turns * n + 1 for n in range(7)])
     row, p, out = wave[:, 1:].ravel(), np.array([1.0, 2.0, 3.0]), np.zeros(12)
     names = {"left": wave[:, :-1], "right": np.column_stack([wave[:, 2:], wave[:, -1]])}
     for name, expected in names.items():
@@ -361,6 +365,11 @@ def test_a_wave_goes_on_beyond_the_left_end_with_the_phase_step_of_its_chain(
         chain.kernel = partial(space.get, "neighbour")
         slope_of(chain)(row, p, FOLLOWING, FREE, out)  # type: ignore[arg-type]
         assert out.reshape(2, 6) == pytest.approx(expected, abs=1e-14)
+        for code, beyond in ((REST, np.zeros((2, 2))), (RING, wave[:, [-1, 1]])):
+            around = np.column_stack([beyond[:, 0], wave[:, 1:], beyond[:, 1]])
+            slope_of(chain)(row, p, code, code, out)  # type: ignore[arg-type]
+            neighbours = around[:, :-2] if name == "left" else around[:, 2:]
+            assert out.reshape(2, 6) == pytest.approx(neighbours, abs=1e-14)
 
 
 def test_ends_of_a_window_have_codes_of_their_own() -> None:

@@ -872,6 +872,8 @@ def test_a_front_is_a_chain_that_stays_filled_for_as_long_again(
     assert memory[state_run._LASTING] == lasting
 
 
+# The compiled functions that it calls, of which each test below reaches some, are _take_sample,
+# _to_section, _settled, _filled, sites_above, _stays and at_rest_for_ever.
 NAMED = compiled_condition(state_run.named_state)
 
 

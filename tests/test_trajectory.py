@@ -613,6 +613,10 @@ def test_an_arrival_is_where_the_amplitude_first_passes_the_level(end: float) ->
     assert foremost == (5 if end > 11.0 else 3)
 
 
+# The following tests take steps of the compiled loop _advance by motions that are known. It calls
+# _try_steps, step_error, finite, _sample_is_due, _take_samples, _arriving, _mark_arriving,
+# _note_arrivals, _interpolated, _pass_time, _moved_window, _widened and _beyond.
+
 # Displacement, then velocity: value at the beginning, and coefficients of t, t² and t³.
 PASSING = [
     ((0.5, 1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),

@@ -335,6 +335,15 @@ def shifted(x):
 @njit
 def idle(x):
     return x + 1.0
+def pair():
+    @njit
+    def near(x):
+        return 3.0 * x
+    @njit("float64(float64)")
+    def far(x):
+        return near(x) - 2.0
+    return far
+PAIR = pair()
 def twice(x):
     return 2.0 * x
 POINTER = cfunc("float64(float64)")(twice)
@@ -367,6 +376,7 @@ companion = import_module("benchmarks.companion")
 KEPT = small.SPARE
 def test_companion(): assert companion.small is small
 def test_compiled(): assert small.shifted(3.0) == 7.0 and small.idle(5.0)
+def test_pair(): assert small.PAIR(3.0) == 7.0
 @pytest.fixture(scope="module")
 def three(): return small.Sum().value
 def test_sum(three): assert three == 3
@@ -439,7 +449,9 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
     ]
     everything = {mutant.name for mutant in mutants_of("fronts/small.py", CODE)}
     left_out = [set(each["selection"]["left_out"]) for each in (record, compiled)]
-    assert {name.split(":")[1] for name in left_out[0]} == {"grown", "shifted", "idle", "twice"}
+    assert {name.split(":")[1] for name in left_out[0]} == {
+        "grown", "shifted", "idle", "pair.near", "pair.far", "twice"
+    }  # fmt: skip
     assert left_out[1] == everything - left_out[0]
     assert [name.removeprefix("fronts/small.py:") for name in record["open"]] == [
         "<module>:4 -> 5",

@@ -26,7 +26,7 @@ from benchmarks.mutation import entered
 from benchmarks.mutation.children import Answer, ChildTask, in_children
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.places import names_bound
-from benchmarks.mutation.put import fits, put_statement
+from benchmarks.mutation.put import differs, fits, put_statement
 from benchmarks.mutation.recompiled import (
     compile_again,
     concerned_by,
@@ -190,7 +190,8 @@ class Judge:
             (each, code)
             for code in self._codes(mutant)
             for each in made
-            if fits(python_function(each).__code__, code) and python_function(each).__code__ != code
+            if fits(python_function(each).__code__, code)
+            and differs(python_function(each).__code__, code)
         ]
 
     def _anew(self, mutant: Mutant, tests: Sequence[str]) -> str | None:

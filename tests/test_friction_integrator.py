@@ -419,6 +419,17 @@ def test_a_start_at_the_verge_of_release_is_released_at_once() -> None:
     assert np.all(np.diff(beyond.velocity[:50, 0]) < 0)
 
 
+@pytest.mark.parametrize("sites", [1, 2, 5])
+@pytest.mark.parametrize("c", [0.0, 0.2, 1e6])
+def test_the_start_is_sampled_where_all_sites_are_released_at_once(c: float, sites: int) -> None:
+    """The first frame has no length then; the sites are alike, so that their coupling is idle."""
+    chain = FrictionChain.of(CELL, c=c, sites=sites)
+    start = np.repeat([[CELL.release], [CELL.v_d]], sites, axis=1)
+    run = simulate(chain, start, 1.0)
+    assert np.array_equal(run.y[0], start[0])
+    assert np.array_equal(run.velocity[0], start[1])
+
+
 def test_sites_released_as_a_run_begins_are_so_however_strongly_they_are_coupled() -> None:
     """The first frame ends as it begins if all sites need new series; alike, they do not pull."""
     runs = []

@@ -646,6 +646,8 @@ def _finish(run: Run, end: float) -> None:
             if sampled or (mode[MODE, n] == -1 and not still):
                 _watch(run, n, site[STEP, n])
             mode[RELEASED, n] = 0
+        elif sampled:
+            _sample(run, n, end, end)
         site[START, n] = 0.0
     for row in (Y, W):
         site_values(series[row], site, lo, hi)

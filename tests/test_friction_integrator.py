@@ -66,6 +66,7 @@ from verification.steppers.friction_series import (
     STEEPEST,
     STEP,
     SUM,
+    TOLERANCE,
     V_D,
     W,
     Y,
@@ -1165,6 +1166,12 @@ def reach(numbers: np.ndarray, order: int, change: float, h: float) -> int:
     return _reach(numbers, order, change, h)
 
 
+def bound_on_force(d: int, change: float, rate: float, c: float, time: float) -> float:
+    """What a change of acceleration does within a time at distance d, by the module's docstring."""
+    growth = math.exp(rate * time) * math.cosh(c * time**2)
+    return c * change * growth * c**d * time ** (2 * d + 2) / math.factorial(2 * d + 2)
+
+
 @pytest.mark.parametrize("c", [1e-3, 0.05, 1.0, 20.0])
 @pytest.mark.parametrize("time", [0.01, 0.1, 0.5, 2.0])
 def test_new_series_are_made_as_far_as_the_truncation_is_not_negligible(
@@ -1175,12 +1182,9 @@ def test_new_series_are_made_as_far_as_the_truncation_is_not_negligible(
     numbers = new_numbers(replace(CELL, xi=1.0), c, tolerance)  # damping counts as well
     rates = np.roots([1.0, -(numbers[DRAG] + numbers[STEEPEST]), -(1.0 + 2.0 * c)])
 
-    def force(change: float, d: int) -> float:
-        growth = math.exp(rates.max() * time) * math.cosh(c * time**2)
-        return c * change * growth * c**d * time ** (2 * d + 2) / math.factorial(2 * d + 2)
-
     for change in np.geomspace(1e-3, 1e3, 31):
-        enough = [d for d in range(1, order + 1) if force(change, d) <= 0.01 * tolerance]
+        forces = [bound_on_force(d, change, rates.max(), c, time) for d in range(1, order + 1)]
+        enough = [d for d, force in enumerate(forces, start=1) if force <= 0.01 * tolerance]
         assert reach(numbers, order, change, time) == (enough[0] if enough else -1)
 
 
@@ -1586,66 +1590,68 @@ def test_stick_and_slip_of_uncoupled_sites_are_those_of_a_circle_and_its_tangent
             assert not seen or run.samples[k, 2, n - 1] == pytest.approx(radius, abs=1e-9)
 
 
-def test_a_site_gets_new_series_as_far_as_its_new_motion_is_felt() -> None:
-    """Weak friction holds it, until neighbours that rush by accelerate it a thousand times more."""
-    cell = replace(COULOMB, mu_st=0.01, mu_d=0.005, xi=0.0, v_d=1.0)
-    c, tolerance, sites, length, speed = 0.05, 1e-6, 41, 0.1, 1000.0
-    own = np.full(sites, 2.0)
+def before_and_after_a_frame(
+    cell: FrictionCell, start: np.ndarray, c: float, tolerance: float, length: float
+) -> tuple[friction.Run, friction.Run]:
+    """Return a chain with the series that a frame begins with, and another one at its end."""
+    own = np.full(start.shape[1], 2.0)
     own[[0, -1]] = 1.0
-    start = np.array([np.zeros(sites), np.full(sites, speed)])
-    start[1, 20] = cell.v_d
     first, run = (
         friction.new_run(new_numbers(cell, c, tolerance), law_of(cell), start.copy(), own,
                          times=np.zeros(0), logged=9, order=16)
         for _ in range(2)
     )  # fmt: skip
-    assert renew(first, 1, sites + 1, 0.0, -length) == length
+    assert renew(first, 1, start.shape[1] + 1, 0.0, -length) == length
     assert friction.advance(run, length, 1) == StopCode.REACHED
+    return first, run
+
+
+def assert_renewed_within_two(  # noqa: PLR0917
+    first: friction.Run,
+    run: friction.Run,
+    parts: tuple[float, ...],
+    change: float,
+    rate: float,
+    c: float,
+    left: float,
+) -> None:
+    """Site 21 and two sites to either side have new series, as the bound says for each part."""
+    tolerance = first.numbers[TOLERANCE]
+    for part in parts:
+        forces = [bound_on_force(d, part * change, rate, c, left) for d in range(4)]
+        assert [force <= 0.01 * tolerance for force in forces] == [False, False, True, True]
+    renewed = np.flatnonzero((run.series[Y] != first.series[Y]).any(axis=0))
+    assert renewed.tolist() == [19, 20, 21, 22, 23]
+
+
+def test_a_site_gets_new_series_as_far_as_its_new_motion_is_felt() -> None:
+    """Weak friction holds it, until neighbours that rush by accelerate it a thousand times more."""
+    cell = replace(COULOMB, mu_st=0.01, mu_d=0.005, xi=0.0, v_d=1.0)
+    c, tolerance, sites, length, speed = 0.05, 1e-6, 41, 0.1, 1000.0
+    start = np.array([np.zeros(sites), np.full(sites, speed)])
+    start[1, 20] = cell.v_d
+    first, run = before_and_after_a_frame(cell, start, c, tolerance, length)
     assert run.log[:, 1:].tolist() == [[21, ENDS], *[[0, 0]] * 8]
     left = length - run.log[0, 0]
     change = 2.0 * c * speed * left  # what the force, and its acceleration, becomes
-    growth = math.exp(math.sqrt(1.0 + 2.0 * c) * left) * math.cosh(c * left**2)
-    for part in (0.5, 20.0):  # not nearer, and no farther than a bound that is not wasteful
-        needed = [
-            c * part * change * growth * c**d * left ** (2 * d + 2) / math.factorial(2 * d + 2)
-            <= 0.01 * tolerance
-            for d in range(4)
-        ]
-        assert needed == [False, False, True, True]
-    renewed = np.flatnonzero((run.series[Y] != first.series[Y]).any(axis=0))
-    assert renewed.tolist() == [19, 20, 21, 22, 23]
+    parts = (0.5, 20.0)  # not nearer, and no farther than a bound that is not wasteful
+    assert_renewed_within_two(first, run, parts, change, math.sqrt(1.0 + 2.0 * c), c, left)
 
 
 def test_a_site_that_sticks_gets_new_series_as_far_as_its_old_motion_was_expected() -> None:
     """Beyond the velocity of the belt friction continued as in slip would rise exponentially."""
     cell = FrictionCell(mu_st=1.0, mu_d=0.5, xi=0.0, v0=0.1, v_d=1.0)
     c, tolerance, sites, length = 0.05, 1.8e-4, 41, 0.3
-    own = np.full(sites, 2.0)
-    own[[0, -1]] = 1.0
     start = np.array([np.full(sites, cell.steady_sliding), np.zeros(sites)])
     start[:, 20] = 0.0, cell.v_d - 0.1
-    first, run = (
-        friction.new_run(new_numbers(cell, c, tolerance), law_of(cell), start.copy(), own,
-                         times=np.zeros(0), logged=9, order=16)
-        for _ in range(2)
-    )  # fmt: skip
-    assert renew(first, 1, sites + 1, 0.0, -length) == length
-    assert friction.advance(run, length, 1) == StopCode.REACHED
+    first, run = before_and_after_a_frame(cell, start, c, tolerance, length)
     assert run.log[:, 1:].tolist() == [[21, BEGINS], *[[0, 0]] * 8]
     times = np.linspace(run.log[0, 0], length, 100)
     change = abs(np.polynomial.Polynomial(first.series[W, :, 21]).deriv()(times)).max()
     left, drag = length - times[0], run.numbers[DRAG] + run.numbers[STEEPEST]
     rate = np.roots([1.0, -drag, -(1.0 + 2.0 * c)]).max()
-    growth = math.exp(rate * left) * math.cosh(c * left**2)
-    for part in (1.0, 20.0):  # not nearer, and no farther than a bound that is not wasteful
-        needed = [
-            c * part * change * growth * c**d * left ** (2 * d + 2) / math.factorial(2 * d + 2)
-            <= 0.01 * tolerance
-            for d in range(4)
-        ]
-        assert needed == [False, False, True, True]
-    renewed = np.flatnonzero((run.series[Y] != first.series[Y]).any(axis=0))
-    assert renewed.tolist() == [19, 20, 21, 22, 23]
+    parts = (1.0, 20.0)  # not nearer, and no farther than a bound that is not wasteful
+    assert_renewed_within_two(first, run, parts, change, rate, c, left)
 
 
 def test_a_site_released_at_the_end_of_a_frame_is_not_stopped_by_rounding() -> None:

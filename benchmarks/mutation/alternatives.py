@@ -21,7 +21,7 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from benchmarks.mutation.mutants import Mutant
-from benchmarks.mutation.recompiled import compile_again, concerned_by, made
+from benchmarks.mutation.recompiled import compile_again, concerned_by, made, with_code
 
 Replacement = tuple[Any, CodeType]
 """A dispatcher, and the changed code of its function."""
@@ -120,13 +120,6 @@ def _compiled_like(dispatcher: Any, function: FunctionType) -> Any:
     )
     made.remove(found)
     return found
-
-
-def with_code(function: FunctionType, code: CodeType) -> FunctionType:
-    """Return a function that has other code, but the same globals, defaults and captured values."""
-    return FunctionType(
-        code, function.__globals__, function.__name__, function.__defaults__, function.__closure__
-    )
 
 
 def _choice(dispatcher: Any, versions: dict[int, Any]) -> FunctionType:

@@ -11,11 +11,11 @@ import builtins
 import os
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import CodeType, FunctionType
+from types import CodeType
 from typing import Any
 
 from benchmarks.mutation.places import outermost_functions
-from benchmarks.mutation.recompiled import made
+from benchmarks.mutation.recompiled import made, with_code
 
 ENTER = "enter_function_of_the_project"
 PACKAGES = ("theory", "derivations", "verification", "paper_checks", "fronts")
@@ -71,11 +71,7 @@ def _compile_as_written(
         path = os.path.relpath(code.co_filename, root)
         names.add(f"{path}:{code.co_qualname.partition('.<locals>')[0]}")
         compiled.add(f"{path}:{code.co_qualname.replace('.<locals>', '')}")
-        function = FunctionType(
-            written, own.__globals__, own.__name__, own.__defaults__, own.__closure__
-        )
-        function.__module__, function.__qualname__ = own.__module__, own.__qualname__
-        return function
+        return with_code(own, written)
 
     def given_what_is_written(begin: Any) -> Any:
         def initialise(self: Any, py_func: Any, *more: Any, **options: Any) -> None:

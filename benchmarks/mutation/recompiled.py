@@ -7,7 +7,7 @@ them, which contain a copy of their code.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from types import FunctionType
+from types import CodeType, FunctionType
 from typing import TYPE_CHECKING, Any
 
 from benchmarks.mutation.places import names_bound
@@ -23,6 +23,15 @@ def python_function(compiled: Any) -> FunctionType:
     """Return the Python function of a dispatcher or a C callback."""
     function: FunctionType = getattr(compiled, "py_func", None) or compiled._pyfunc
     return function
+
+
+def with_code(function: FunctionType, code: CodeType) -> FunctionType:
+    """Return a function that has other code, but the same globals, defaults and captured values."""
+    found = FunctionType(
+        code, function.__globals__, function.__name__, function.__defaults__, function.__closure__
+    )
+    found.__module__, found.__qualname__ = function.__module__, function.__qualname__
+    return found
 
 
 def named_by(function: FunctionType) -> Iterator[Any]:

@@ -394,10 +394,15 @@ MORE = """
 def test_unseen(): assert small.unseen(1) == 2
 def test_spare(): assert KEPT == 12 and small.LISTED == [1.0]
 """
-TWO_RUNS = f"""
+ONCE = """
+def test_once():
+    small.unseen(1)
+    Path("once").touch(exist_ok=False)
+"""
+SIX_RUNS = f"""
 import os, sys
 from pathlib import Path
-import hypothesis, numba.core.ccallback, pytest, scipy.optimize  # once for both runs
+import hypothesis, numba.core.ccallback, pytest, scipy.optimize  # once for all runs
 from benchmarks.mutation import __main__ as runner, session
 runner.ROOT = Path.cwd()
 def run(*words):
@@ -410,17 +415,25 @@ def run(*words):
 session.compile_steppers = session.read_sources = lambda: None  # the project's own
 codes = [run("fronts/small.py", "--record", "first.json")]
 codes.append(run("fronts/small.py", "--compiled", "--record", "compiled.json"))
-with Path("tests/test_small.py").open("a") as tests:
-    tests.write({MORE!r})
+def add(tests):
+    with Path("tests/test_small.py").open("a") as file:
+        file.write(tests)
+add({MORE!r})
 codes.append(run("--again", "first.json", "--record", "second.json"))
-sys.exit(codes != [1, 1, 0] and f"exit codes {{codes}}")
+codes += [run("fronts/small.py", "--unchanged", *more) for more in ([], ["--compiled"])]
+add({ONCE!r})
+codes.append(run("fronts/small.py", "--unchanged"))
+sys.exit(codes != [1, 1, 0, 0, 0, 1] and f"exit codes {{codes}}")
 """
 
 
 def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_noticed(
     tmp_path: Path,
 ) -> None:
-    """And those which no test that passes in its time enters, or that no test is about, are not."""
+    """Those which no test that passes in its time enters, or that no test is about, are not.
+
+    Nor is unchanged code, unless a test fails in the run itself.
+    """
     for folder, name, text in (
         ("fronts", "__init__.py", ""),
         ("fronts", "small.py", CODE),
@@ -430,7 +443,7 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
         (tmp_path / folder).mkdir(exist_ok=True)
         (tmp_path / folder / name).write_text(text, encoding="utf-8")
     done = subprocess.run(
-        [sys.executable, "-c", TWO_RUNS],
+        [sys.executable, "-c", SIX_RUNS],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}", "TMPDIR": str(tmp_path),
              "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},

@@ -11,12 +11,19 @@ import tempfile
 import time
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
 from benchmarks.mutation import entered
 from benchmarks.mutation.mutants import Mutant, by_statement, mutants_of
-from benchmarks.mutation.outcome import MutationOutcome, read_explained, stamp, still_known
+from benchmarks.mutation.outcome import (
+    KILLED,
+    MutationOutcome,
+    read_explained,
+    stamp,
+    still_known,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = """examples:
@@ -67,7 +74,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not whole:
         print(f"seed {seed}", file=sys.stderr)
         random.Random(seed).shuffle(mutants)
+    if options.unchanged:
+        mutants = [replace(mutant, changed=mutant.place.node) for mutant in mutants]
     mutants, found = run(mutants, options)
+    if options.unchanged:
+        noticed = sum(status == KILLED for status in found.values())
+        print(f"{len(found)} runs of unchanged code; {noticed} of them had a failing test")
+        return 1 if noticed else 0
     left = {mutant.name for mutant in mutants} | known.keys()
     outcome = MutationOutcome([m for m in every if m.name in left], found | known, explained)
     print(outcome)
@@ -113,6 +126,12 @@ def _parser() -> argparse.ArgumentParser:
         "modules edited since",
     )
     add("--compiled", action="store_true", help="change only code compiled by numba")
+    add(
+        "--unchanged",
+        action="store_true",
+        help="do everything as for a change, but change nothing: a test that fails then shows a "
+        "fault of the run",
+    )
     add("--tests", nargs="+", default=(), metavar="FILE", help="test files to run (default: all)")
     add(
         "--seconds",

@@ -191,7 +191,7 @@ class Judge:
             for code in self._codes(mutant)
             for each in made
             if fits(python_function(each).__code__, code)
-            and differs(python_function(each).__code__, code)
+            and (mutant.unchanged or differs(python_function(each).__code__, code))
         ]
 
     def _anew(self, mutant: Mutant, tests: Sequence[str]) -> str | None:

@@ -150,6 +150,11 @@ class Mutant:
             <= self.line
         )  # fmt: skip
 
+    @property
+    def unchanged(self) -> bool:
+        """Whether nothing is changed, so that whatever notices it is a fault of the run."""
+        return self.changed is self.place.node
+
     @contextmanager
     def made(self) -> Iterator[ast.Module]:
         """Yield the tree with the change, which is undone when the context ends."""

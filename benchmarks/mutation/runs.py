@@ -149,11 +149,11 @@ class Runs:
 
     def _take(self, mutant: Mutant, count: int, asked: bool, by: str | None) -> None:
         self.found[mutant.name] = KILLED if by else SURVIVED if asked else UNREACHED
-        if not by:
+        if not by and not mutant.unchanged:
             word = "noticed" if asked else "reached"
             print(f"not {word}: {mutant.module}:{mutant.line} {mutant.function}: {mutant.change}",
                   file=sys.stderr, flush=True)  # fmt: skip
-        if by and by not in self._survey.seconds:
+        if by and (mutant.unchanged or by not in self._survey.seconds):
             print(f"noticed by {by}: {mutant.name}", file=sys.stderr, flush=True)
         if by in self._survey.seconds:
             for place in (mutant.function_at, mutant.module):

@@ -434,8 +434,8 @@ def first_root(work: FloatArray, degree: int, h: float) -> float:
     """Return the first time in [0, h] at which f turns from positive to negative; inf if none.
 
     f(0) <= 0 counts as zero: the sign just after is then that of the first nonzero coefficient, and
-    if it is negative, 0 is returned. A root of even order is not a crossing. Roots are isolated by
-    Bernstein coefficients: no change of sign, no root; one, one root; otherwise, bisection.
+    if it is negative, 0 is returned. A root of even order is a crossing only at h or where [0, h]
+    is halved. Bernstein coefficients: no change of sign, no root; one, one root; else, bisection.
 
     Parameters
     ----------

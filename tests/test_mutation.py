@@ -15,7 +15,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from numba.core.errors import NumbaError
 
+from benchmarks.mutation import alternatives
 from benchmarks.mutation.__main__ import chosen
 from benchmarks.mutation.children import Answer, ChildTask, in_children
 from benchmarks.mutation.entered import PACKAGES
@@ -368,6 +370,7 @@ class Sum:
 """
 ITS_TESTS = """
 import pytest
+from numba.core.errors import NumbaError
 from importlib import import_module
 from pathlib import Path
 from fronts import small
@@ -546,3 +549,22 @@ def test_a_child_that_crashes_or_does_not_end_answers_so() -> None:
     tasks = [ChildTask(run=run, seconds=0.0, take=answers.append) for run in (crash, spin)]
     in_children(iter(tasks), 1)
     assert answers == [[{"by": "time limit or crash"}], [{"before": 1}]]
+
+
+def test_a_change_that_numba_cannot_compile_does_not_stop_those_compiled_with_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Numba raises errors of its own, and others."""
+    wrong, other, plain = mutants_of("small.py", "def f(x): return x + 1")[:3]
+    errors = {wrong.name: ValueError, other.name: NumbaError}
+
+    def version(of: str, code: object) -> None:
+        if of in errors:
+            raise errors[of]("no types")
+
+    monkeypatch.setattr(alternatives, "_version", version)
+    found = alternatives.Alternatives(
+        [wrong, other, plain], lambda mutant: [(mutant.name, version.__code__)]
+    )
+    assert found.failed == {wrong.name: "ValueError", other.name: "NumbaError"}
+    assert found.numbers == {}

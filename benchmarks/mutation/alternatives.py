@@ -17,7 +17,6 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 from numba.core.dispatcher import Dispatcher
-from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from benchmarks.mutation.mutants import Mutant
@@ -75,7 +74,7 @@ class Alternatives:
             concerned, pairs = concerned_by(mutant), list(replacements(mutant))
             try:
                 compiled = [_version(*pair) for pair in pairs]
-            except NumbaError as error:
+            except Exception as error:  # numba raises any kind for code that has no types
                 self.failed[mutant.name] = type(error).__name__
                 continue
             if compiled and None not in compiled:

@@ -98,11 +98,15 @@ class Runs:
 
     def _take_all(self, mutants: Sequence[Mutant], count: int, answers: list[Answer]) -> None:
         """Take the answers of a child; a change has none if those before it took all its time."""
-        only = mutants[0].name if len(mutants) == 1 else None
+        only = mutants[0].name if len(mutants) == 1 else ""
         by = {each.get("name", only): each["by"] for each in reversed(answers)}
         for mutant in mutants:
             if mutant.name in by:
                 self._take(mutant, count, True, by[mutant.name])
+        left = sum(mutant.name not in by for mutant in mutants)
+        if left:
+            print(f"{left} changes of {mutants[0].module} were not run: {by.get('', 'no answer')}",
+                  file=sys.stderr, flush=True)  # fmt: skip
 
     def tasks_of_checks(
         self, mutants: Sequence[Mutant], checks: DerivationChecks, until: float

@@ -533,6 +533,21 @@ def test_a_series_that_is_shorter_than_time_can_be_counted_is_refused(v0: float)
     assert run.state[:, 0] == pytest.approx([0.5 + 1.5 * math.cos(run.time), 1.25], abs=1e-6)
 
 
+@pytest.mark.parametrize("moving", [0, 20, 39])
+def test_a_series_that_ends_before_a_late_time_can_advance_is_refused(moving: int) -> None:
+    """All others slide steadily, so that the frame is as long as the run."""
+    cell = FrictionCell(law="coulomb", xi=0.0)
+    start = np.zeros((2, 40))
+    start[0] = cell.mu_d
+    start[0, moving] += 0.4
+    run = FrictionIntegration(FrictionChain.of(cell, c=0.0, sites=40), start)
+    late = 1e17  # the next number is 16 later
+    run._run.numbers[CLOCK] = late
+    with pytest.raises(StandstillError, match="time step vanished"):
+        run.advance_to(late + 64.0)
+    assert run.time == late
+
+
 def test_a_site_that_can_neither_stick_nor_slip_ends_the_run() -> None:
     """Friction is made to rise at the end of stick, so that a site is stopped as it is released."""
     cell = FrictionCell(xi=0.0)

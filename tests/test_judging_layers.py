@@ -972,9 +972,10 @@ UP, DOWN = (2.0, 2.0005), (0.1, 0.1005)
 @pytest.mark.parametrize(
     ("sites", "numbers", "first", "breather"),
     [
-        # the windows of this length that end at t = 5 have been settled since 5, 2.5 or 2.6
+        # the windows of this length that end at t = 5 have been settled since 5, 2.5, 0.5 or 2.6
         ([UP, DOWN, DOWN], {}, 5.0, False),
         ([UP, DOWN, DOWN], {"_FIRST": 2.5}, 2.5, True),
+        ([UP, DOWN, DOWN], {"_FIRST": 0.5}, 0.5, True),
         ([UP, DOWN, DOWN], {"_FIRST": 2.6}, 2.6, False),
         ([UP, DOWN, DOWN], {"_FIRST": 2.5, "_ABOVE": 0.0}, -1.0, False),
         ([UP, DOWN, DOWN], {"_FIRST": 2.5, "_ABOVE": 3.0}, -1.0, False),

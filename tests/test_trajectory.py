@@ -630,10 +630,12 @@ PASSING = [
     ((0.5, 1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),  # has arrived before
     ((1.02, -2.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),  # is just above at the beginning
     ((0.0, 0.0, 0.0, 0.0), (1.02, -2.0, 0.0, 0.0)),
+    ((0.0, 0.0, 0.0, 0.0), (-0.3, -0.5, 8.6, -6.9)),  # only between the ends, by its velocity
+    ((0.0, 0.0, 0.0, 0.0), (0.9, 2.0, -2.2, 0.0)),
     ((0.6, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0)),
     ((0.9, 0.3, -0.3, 0.0), (0.0, 0.0, 0.0, 0.0)),  # turns below the level
 ]
-TOUCHES, EARLIER, LAST = 5, 8, 11
+TOUCHES, EARLIER, LAST = 5, 8, 13
 """Places among these: at rest at the level; arrived at time 3; the last one that arrives."""
 
 
@@ -648,18 +650,19 @@ def _first_time_above(y: tuple[float, ...], w: tuple[float, ...]) -> float:
     return float(min((each for each in real if 0.0 < each < 1.0 + 1e-6), default=math.nan))
 
 
-@pytest.mark.parametrize("trailing", [0, 2])
+@pytest.mark.parametrize("level", [1.0, 0.5])
+@pytest.mark.parametrize("trailing", [0, 1, 20])
 @pytest.mark.parametrize("end", [100.0, 10.25])
 def test_the_compiled_loop_finds_the_arrivals_of_sites_that_move_as_cubics(
-    end: float, trailing: int
+    end: float, trailing: int, level: float
 ) -> None:
     """The amplitude squared is then of degree 6, and its interpolation exact."""
     motion, count = np.moveaxis(np.array(PASSING), 0, -1), len(PASSING)
     state, before = np.zeros((2, count + 2)), np.full(count + 2, math.nan)
-    state[:, 1:-1], before[1 + EARLIER] = motion[:, 0], 3.0
+    state[:, 1:-1], before[1 + EARLIER] = level * motion[:, 0], 3.0
     taken = steps(
-        state, np.moveaxis(motion[:, 1:], 0, 1), window=(1, count + 1),
-        clock=[10.0, 0.0, 0.0, 0.0, 0.0], arrivals=before, level=1.0, end=end, trailing=trailing,
+        state, level * np.moveaxis(motion[:, 1:], 0, 1), window=(1, count + 1),
+        clock=[10.0, 0.0, 0.0, 0.0, 0.0], arrivals=before, level=level, end=end, trailing=trailing,
     )  # fmt: skip
     times = 10.0 + np.array([_first_time_above(*each) for each in PASSING])
     assert np.isfinite(times).sum() == count - 2
@@ -670,10 +673,11 @@ def test_the_compiled_loop_finds_the_arrivals_of_sites_that_move_as_cubics(
     sharp = np.arange(count + 2) != 1 + TOUCHES
     assert taken.arrivals[sharp] == pytest.approx(expected[sharp], abs=1e-13, nan_ok=True)
     foremost = 1 + LAST if end > 11.0 else LAST
-    assert taken.counters[smooth.LO] == (foremost - 2 if trailing else 1)
-    assert taken.counters[smooth.HI] == count + 1
+    low = max(1, foremost - trailing) if trailing else 1  # it never moves back
+    assert taken.counters[[smooth.LO, smooth.HI]].tolist() == [low, count + 1]
+    assert taken.counters[smooth.SITE_STEPS] == count
     ended = smooth.BUDGET if end > 11.0 else smooth.REACHED
-    assert taken.code == (smooth.MOVED if trailing else ended)
+    assert taken.code == (smooth.MOVED if low > 1 else ended)
     assert taken.marks[[LEFT, RIGHT]].tolist() == [FOLLOWING if trailing else REST, REST]
 
 
@@ -710,13 +714,13 @@ def test_parameters_are_those_of_the_middle_of_a_step_and_its_time_that_of_the_b
     one, two = np.zeros(count), np.zeros(count)
     one[3], two[[3, 4]] = 0.5, 1.0
     for rates in (np.ones(count), np.full(count, -0.7), one, two, 0.0 * one):
-        for place in (-1, 5):
+        for place in (-1, 0, 5):
             taken = steps(
                 np.zeros((2, 1)), clock=[2.0, 0.0, 0.0, 0.0, 0.25], parameters=start, drift=rates,
                 clock_place=place, longest=0.5,
             )  # fmt: skip
             expected = start + rates * (2.0 + 0.25 + 0.25)
-            if place > 0:
+            if place >= 0:
                 expected[place] = 2.25
             assert taken.p[:6] == pytest.approx(expected[:6], rel=1e-15)
 
@@ -811,6 +815,7 @@ def test_the_compiled_loop_says_how_it_has_ended(
     start = [2.0, 0.0, 0.0, 0.0, 0.0]
     found = steps(np.zeros((2, 1)), [[[1.0], [-2.0]]], count=count, clock=start, **task)
     assert (found.code, found.marks[TAKEN]) == (code, taken)
+    assert code != smooth.TOO_SHORT or found.clock[1] == 0.0  # a later run begins anew
     assert found.rows.x.tolist() == [taken, -2.0 * taken]
     assert found.clock[0] == 2.0 + taken
     assert found.counters[[smooth.STEPS, smooth.SITE_STEPS]].tolist() == [taken, taken]

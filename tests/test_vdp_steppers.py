@@ -290,6 +290,23 @@ def test_a_step_that_explodes_never_passes(displacement: float) -> None:
     assert exploded > 50
 
 
+@pytest.mark.parametrize(
+    "slopes",
+    [{5: -3e307, 6: -2e307, 8: -1.79e308, 9: 1.79e308, 10: 1.79e308}, {5: 1e308, 7: 5e307}],
+    ids=["fifth order", "third order"],
+)
+def test_an_error_of_which_one_estimate_is_out_of_range_is_infinite(
+    slopes: dict[int, float],
+) -> None:
+    """The largest weights of one have the signs that add up, while the other stays in range."""
+    K, weights = np.zeros((12, 2)), np.stack([DOP853.E5[:12], DOP853.E3[:12]])
+    K[list(slopes), 0] = list(slopes.values())
+    with np.errstate(over="ignore", invalid="ignore"):
+        sums = np.cumsum(weights * K[:, 0], axis=1)
+    assert np.isfinite(sums).all(axis=1).sum() == 1
+    assert _called(step_error)(K, 1e-308, np.zeros((2, 2)), 10.0) == math.inf
+
+
 @pytest.mark.parametrize("forces", [0, 2])
 def test_forces_are_put_in_at_the_time_of_each_stage_before_its_slope(
     forces: int, monkeypatch: pytest.MonkeyPatch

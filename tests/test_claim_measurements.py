@@ -2037,6 +2037,10 @@ def test_a_front_is_steady_by_its_arrivals_and_apart_from_scipy_by_the_worst(
     shown = [shape[0] for shape in found.shapes]
     assert shown == pytest.approx(fig12.TIMES, abs=0.5 * last / 205)
     assert found.amplitudes[0][0] == pytest.approx(2.0 * shown[0])
+    moved[reached - 1] = (reached - 1 + 0.3) * delay
+    late = reached - reached // 2 - 1  # delays in the second half, of which one is longer
+    assert fig12.steady().spread == pytest.approx(0.3 / (1.0 + 0.3 / late))
+    moved.clear()
     for time, in_order in ((8.005, True), (8.0, False), (7.5, False), (np.nan, False)):
         moved[9] = time * delay
         assert fig12.steady().in_order is in_order

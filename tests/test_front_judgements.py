@@ -1230,8 +1230,13 @@ def test_the_pinning_eta_errs_by_what_is_left_of_c_and_by_the_error_of_the_fold(
                 square_root=0.5, square_root_error=1e-3,
             )  # fmt: skip
 
+        def root(f: Any, *ends: float, off: float = off, **_: Any) -> float:
+            assert f(0.05) == pytest.approx(0.0, abs=1e-15)
+            assert ends == tuple(resting.ETAS)
+            return 0.05 + 0.25 * off
+
         monkeypatch.setattr(resting, "static_fold", fold)
-        monkeypatch.setattr(resting, "brentq", lambda *_, off=off, **__: 0.05 + 0.25 * off)
+        monkeypatch.setattr(resting, "brentq", root)
         found = resting.pinning_eta.__wrapped__(0.3)
         assert found.eta == 0.05 + 0.25 * off
         assert found.error == pytest.approx((3e-6 + 1e-6) / 4.0, rel=1e-6)

@@ -13,6 +13,8 @@ import tomllib
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from numba.core.errors import NumbaError
@@ -33,6 +35,7 @@ from benchmarks.mutation.outcome import (
     still_known,
 )
 from benchmarks.mutation.put import libraries_of
+from benchmarks.mutation.runs import Runs
 from benchmarks.mutation.session import dotted
 from benchmarks.mutation.survey import Survey, closures
 from benchmarks.mutation.survey import test_files as files_with_tests
@@ -453,6 +456,9 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
         capture_output=True, text=True, check=False, timeout=240,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
+    # In the first run, and of compiled code, whose tests are followed for longer.
+    assert "\n2 changes again, with tests for 6 s each\n" in done.stderr
+    assert "\n4 changes again, with tests for 6 s each\n" in done.stderr
     record, compiled, again = (
         json.loads((tmp_path / name).read_text(encoding="utf-8"))
         for name in ("first.json", "compiled.json", "second.json")
@@ -549,6 +555,15 @@ def test_a_child_that_crashes_or_does_not_end_answers_so() -> None:
     tasks = [ChildTask(run=run, seconds=0.0, take=answers.append) for run in (crash, spin)]
     in_children(iter(tasks), 1)
     assert answers == [[{"by": "time limit or crash"}], [{"before": 1}]]
+
+
+def test_changes_that_are_neither_noticed_nor_explained_are_run_again() -> None:
+    """Not those that no test reaches, or that were not run."""
+    mutants = mutants_of("small.py", "def f(x): return x + 2 * x")[:5]
+    states = (KILLED, SURVIVED, UNREACHED, SURVIVED)
+    found = dict(zip([mutant.name for mutant in mutants], states, strict=False))
+    run: Any = SimpleNamespace(found=found)
+    assert Runs.left(run, mutants, [mutants[3].name, "small.py:g:..."]) == [mutants[1]]
 
 
 def test_a_change_that_numba_cannot_compile_does_not_stop_those_compiled_with_it(

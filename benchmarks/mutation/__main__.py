@@ -9,7 +9,7 @@ import random
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
@@ -26,6 +26,9 @@ from benchmarks.mutation.outcome import (
 )
 
 ROOT = Path(__file__).resolve().parents[2]
+LONGER = 10.0
+"""Factor of the time for tests in a second run of the changes that the first leaves open."""
+
 EXAMPLE = """examples:
   python -m benchmarks.mutation theory                         every change of theory/
   python -m benchmarks.mutation theory/piecewise/limits.py --list        its changes, without a run
@@ -76,7 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         random.Random(seed).shuffle(mutants)
     if options.unchanged:
         mutants = [replace(mutant, changed=mutant.place.node) for mutant in mutants]
-    mutants, found = run(mutants, options)
+    mutants, found = run(mutants, options, explained)
     if options.unchanged:
         noticed = sum(status == KILLED for status in found.values())
         print(f"{len(found)} runs of unchanged code; {noticed} of them had a failing test")
@@ -137,7 +140,8 @@ def _parser() -> argparse.ArgumentParser:
         "--seconds",
         type=float,
         default=0.6,
-        help="processor time for the tests of one change, in seconds (default 0.6)",
+        help="processor time for the tests of one change, in seconds (default 0.6); changes that "
+        "are then neither noticed nor explained are run again for ten times as long",
     )
     add(
         "--longest",
@@ -178,8 +182,13 @@ def chosen(
     return picked
 
 
-def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant], dict[str, str]]:
-    """Run the changes, and return those not left out with the outcome of each that was run."""
+def run(
+    mutants: list[Mutant], options: argparse.Namespace, explained: Collection[str]
+) -> tuple[list[Mutant], dict[str, str]]:
+    """Run the changes, and return those not left out with the outcome of each that was run.
+
+    Those that are neither noticed nor explained are then run again for longer.
+    """
     until = time.monotonic() + 60.0 * (options.minutes or 1e9)
     os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     names = entered.install(ROOT)  # before any module of the project is imported
@@ -219,6 +228,12 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
             compile_everything()
         with suppress(KeyboardInterrupt):  # the changes run so far are reported
             in_children(ran[0].tasks(mutants, until), options.jobs)
+            more = ran[0].left(mutants, explained)
+            if more and not options.unchanged:
+                ran[0].seconds *= LONGER
+                print(f"{len(more)} changes again, with tests for {ran[0].seconds:g} s each",
+                      file=sys.stderr)  # fmt: skip
+                in_children(ran[0].tasks(more, until), options.jobs)
             # These take seconds to a minute each, and therefore come after all tests.
             if any(module.startswith("derivations/") for module in modules):
                 from benchmarks.mutation.derived import DerivationChecks

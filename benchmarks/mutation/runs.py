@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ from benchmarks.mutation import entered
 from benchmarks.mutation.children import Answer, ChildTask
 from benchmarks.mutation.judge import Judge, TestTask
 from benchmarks.mutation.mutants import Mutant
-from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED
+from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED, matches
 from benchmarks.mutation.recompiled import concerned_by, python_function
 from benchmarks.mutation.session import Session
 from benchmarks.mutation.survey import OVERHEAD, Survey
@@ -48,18 +48,21 @@ class Runs:
     ----------
     found : dict
         ``killed``, ``survived`` or ``unreached`` by name of the change.
+    seconds : float
+        As given; it may be raised between runs.
     """
 
     def __init__(
         self, session: Session, survey: Survey, importing: dict[str, frozenset[str]], seconds: float
     ) -> None:
-        self._survey, self._seconds = survey, seconds
+        self._survey, self.seconds = survey, seconds
         self._importing, self._judge, self._root = importing, Judge(session), session.root
         self._texts = {
             file: (session.root / file).read_text(encoding="utf-8") for file in importing
         }
         self._killers: dict[str, list[str]] = defaultdict(list)
         self._begin = self._shown = time.monotonic()
+        self._done = 0
         self.found: dict[str, str] = {}
 
     def tasks(self, mutants: Sequence[Mutant], until: float) -> Iterator[ChildTask]:
@@ -67,6 +70,7 @@ class Runs:
 
         Changes of compiled code are tested together with others of the same module.
         """
+        self._begin, self._done = time.monotonic(), 0
         waiting: dict[str, list[Mutant]] = defaultdict(list)
         for mutant in mutants:
             if time.monotonic() > until:
@@ -79,6 +83,15 @@ class Runs:
                     yield from self._task(waiting.pop(mutant.module), len(mutants))
         for group in waiting.values():
             yield from self._task(group, len(mutants))
+
+    def left(self, mutants: Sequence[Mutant], explained: Collection[str]) -> list[Mutant]:
+        """Return the changes that tests were run for, but that are not noticed or explained."""
+        return [
+            mutant
+            for mutant in mutants
+            if self.found.get(mutant.name) == SURVIVED
+            and not any(matches(form, mutant.name) for form in explained)
+        ]
 
     def _task(self, mutants: Sequence[Mutant], count: int) -> Iterator[ChildTask]:
         """Yield the task of a child for changes to be tested together, if any test reaches them."""
@@ -139,7 +152,7 @@ class Runs:
         known = self._killers[mutant.function_at]
         known = [*known, *self._killers[mutant.module]]
         picked = [test for test in dict.fromkeys(known) if test in reaching][:MAX_KNOWN]
-        left = self._seconds - sum(self._survey.seconds[test] for test in picked)
+        left = self.seconds - sum(self._survey.seconds[test] for test in picked)
         files = {test.partition("::")[0] for test in picked}
         collected = on_import and mutant.qualified not in entered.compiled
         for test in reaching:
@@ -163,9 +176,10 @@ class Runs:
             for place in (mutant.function_at, mutant.module):
                 self._killers[place] = [by, *(t for t in self._killers[place] if t != by)][:5]
         now = time.monotonic()
-        if now - self._shown > 10.0 or len(self.found) == count:
+        self._done += 1
+        if now - self._shown > 10.0 or self._done == count:
             self._shown = now
             missed = sum(status != KILLED for status in self.found.values())
-            ahead = (now - self._begin) / len(self.found) * (count - len(self.found)) / 60.0
-            print(f"[{len(self.found)}/{count}] {missed} not noticed, {ahead:.0f} min left",
+            ahead = (now - self._begin) / self._done * (count - self._done) / 60.0
+            print(f"[{self._done}/{count}] {missed} not noticed, {ahead:.0f} min left",
                   file=sys.stderr, flush=True)  # fmt: skip

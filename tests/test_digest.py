@@ -4,6 +4,7 @@ import ast
 import bisect
 import cmath
 import math
+import os
 import pkgutil
 import sys
 from dataclasses import dataclass
@@ -657,8 +658,10 @@ def test_a_changed_file_that_a_script_imports_is_seen_at_any_depth(
     script = ModuleType("typed_here")
     monkeypatch.setitem(sys.modules, "typed_here", script)
     digests = []
-    for text in ("1", "2", "2 # one"):
-        (tmp_path / f"{names[1]}.py").write_text(f"def inner(): return {text}\n")
+    for i, text in enumerate(("1", "2", "2 # one")):
+        inner = tmp_path / f"{names[1]}.py"
+        inner.write_text(f"def inner(): return {text}\n")
+        os.utime(inner, (i, i))  # two files written within a tick of the clock have the same time
         imported = use.format(names[0])
         head = f"def task(c):\n {imported}\n" if inside else f"{imported}\ndef task(c):\n"
         exec(f"{head} return inner if c else outer.inner", vars(script))

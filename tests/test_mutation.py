@@ -13,8 +13,6 @@ import tomllib
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from numba.core.errors import NumbaError
@@ -35,7 +33,6 @@ from benchmarks.mutation.outcome import (
     still_known,
 )
 from benchmarks.mutation.put import libraries_of
-from benchmarks.mutation.runs import Runs
 from benchmarks.mutation.session import dotted
 from benchmarks.mutation.survey import Survey, closures
 from benchmarks.mutation.survey import test_files as files_with_tests
@@ -562,8 +559,8 @@ def test_changes_that_are_neither_noticed_nor_explained_are_run_again() -> None:
     mutants = mutants_of("small.py", "def f(x): return x + 2 * x")[:5]
     states = (KILLED, SURVIVED, UNREACHED, SURVIVED)
     found = dict(zip([mutant.name for mutant in mutants], states, strict=False))
-    run: Any = SimpleNamespace(found=found)
-    assert Runs.left(run, mutants, [mutants[3].name, "small.py:g:..."]) == [mutants[1]]
+    explained = dict.fromkeys([mutants[3].name, "small.py:g:..."], "why")
+    assert MutationOutcome(mutants, found, explained).unnoticed == [mutants[1]]
 
 
 def test_a_change_that_numba_cannot_compile_does_not_stop_those_compiled_with_it(

@@ -9,7 +9,7 @@ import random
 import sys
 import tempfile
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
@@ -183,7 +183,7 @@ def chosen(
 
 
 def run(
-    mutants: list[Mutant], options: argparse.Namespace, explained: Collection[str]
+    mutants: list[Mutant], options: argparse.Namespace, explained: Mapping[str, str]
 ) -> tuple[list[Mutant], dict[str, str]]:
     """Run the changes, and return those not left out with the outcome of each that was run.
 
@@ -228,7 +228,7 @@ def run(
             compile_everything()
         with suppress(KeyboardInterrupt):  # the changes run so far are reported
             in_children(ran[0].tasks(mutants, until), options.jobs)
-            more = ran[0].left(mutants, explained)
+            more = MutationOutcome(mutants, ran[0].found, explained).unnoticed
             if more and not options.unchanged:
                 ran[0].seconds *= LONGER
                 print(f"{len(more)} changes again, with tests for {ran[0].seconds:g} s each",

@@ -108,6 +108,11 @@ class MutationOutcome:
         return [m for m in self.mutants if m.name in self.why and self.why[m.name] is None]
 
     @property
+    def unnoticed(self) -> list[Mutant]:
+        """The open changes for which tests were run."""
+        return [mutant for mutant in self.open if self.found[mutant.name] == SURVIVED]
+
+    @property
     def unreached(self) -> list[Mutant]:
         """The open changes for which no test was run, since all that enter them take too long."""
         return [mutant for mutant in self.open if self.found[mutant.name] == UNREACHED]

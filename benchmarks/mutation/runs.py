@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ from benchmarks.mutation import entered
 from benchmarks.mutation.children import Answer, ChildTask
 from benchmarks.mutation.judge import Judge, TestTask
 from benchmarks.mutation.mutants import Mutant
-from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED, matches
+from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED
 from benchmarks.mutation.recompiled import concerned_by, python_function
 from benchmarks.mutation.session import Session
 from benchmarks.mutation.survey import OVERHEAD, Survey
@@ -83,15 +83,6 @@ class Runs:
                     yield from self._task(waiting.pop(mutant.module), len(mutants))
         for group in waiting.values():
             yield from self._task(group, len(mutants))
-
-    def left(self, mutants: Sequence[Mutant], explained: Collection[str]) -> list[Mutant]:
-        """Return the changes that tests were run for, but that are not noticed or explained."""
-        return [
-            mutant
-            for mutant in mutants
-            if self.found.get(mutant.name) == SURVIVED
-            and not any(matches(form, mutant.name) for form in explained)
-        ]
 
     def _task(self, mutants: Sequence[Mutant], count: int) -> Iterator[ChildTask]:
         """Yield the task of a child for changes to be tested together, if any test reaches them."""

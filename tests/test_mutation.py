@@ -18,7 +18,7 @@ import pytest
 from numba.core.errors import NumbaError
 
 from benchmarks.mutation import alternatives
-from benchmarks.mutation.__main__ import chosen
+from benchmarks.mutation.__main__ import chosen, main
 from benchmarks.mutation.children import Answer, ChildTask, in_children
 from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.mutants import by_statement, mutants_of
@@ -580,3 +580,9 @@ def test_a_change_that_numba_cannot_compile_does_not_stop_those_compiled_with_it
     )
     assert found.failed == {wrong.name: "ValueError", other.name: "NumbaError"}
     assert found.numbers == {}
+
+
+def test_a_run_that_changes_nothing_makes_no_record(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["fronts", "--unchanged", "--record", "none.json"])
+    assert "nothing to --record" in capsys.readouterr().err

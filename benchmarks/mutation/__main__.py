@@ -57,6 +57,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     if bool(options.where) == bool(options.again):
         parser.error("give modules or packages, or --again and a record that names them")
+    if options.unchanged and options.record:
+        parser.error("--unchanged changes nothing, so that there is nothing to --record")
     before = json.loads(options.again.read_text(encoding="utf-8")) if options.again else {}
     names = ("where", "part", "each", "seed")
     selection = {name: getattr(options, name) for name in names} | before.get("selection", {})
